@@ -11,6 +11,7 @@ mod delivery;
 mod design;
 mod estimate;
 mod field;
+mod fly;
 mod help;
 pub(crate) mod init;
 mod inspect;
@@ -40,6 +41,7 @@ pub(crate) use delivery::PictureFormat;
 pub(crate) use design::{Design, InputKind, SurfaceName};
 pub(crate) use estimate::{AxesForm, Estimate, Export, ExportForm, Truth};
 pub(crate) use field::Field;
+pub(crate) use fly::Fly;
 pub(crate) use init::{ClassName, Init};
 pub(crate) use inspect::Inspect;
 pub(crate) use linearize::Linearize;
@@ -85,6 +87,7 @@ pub(crate) enum Command {
     Estimate(Estimate),
     Regress(Regress),
     Monitor(Monitor),
+    Fly(Fly),
     Study(Study),
     Field(Field),
     Compare(Compare),

@@ -35,7 +35,7 @@ struct Folder {
 }
 
 /// Pages by which a folder of ours is known.
-const PAGES: [&str; 3] = ["report.html", "compatibility.html", "design.html"];
+const PAGES: [&str; 4] = ["report.html", "compatibility.html", "design.html", "flight.html"];
 /// What stands under the title of every page of ours.
 const MARK: &[u8] = b" by Phugoid</p>";
 /// A simulated flight has no page; it is known by both of its files.
@@ -210,6 +210,10 @@ impl Plan {
                 if let Some(out) = &a.out {
                     plan.folder(out, &["health.json", "report.html"], None);
                 }
+            }
+            Some(Command::Fly(a)) => {
+                plan.words([&a.scenario, &a.model]);
+                plan.folder(&a.out, &["flight.html"], None);
             }
             Some(Command::Study(a)) => {
                 plan.words(a.scenario.iter().chain(&a.model));

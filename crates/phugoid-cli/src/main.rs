@@ -42,6 +42,7 @@ fn main() -> ExitCode {
             other => other.map(|_| ()),
         },
         Some(Command::Regress(arguments)) => commands::regress::run(arguments),
+        Some(Command::Fly(arguments)) => commands::fly::run(arguments),
         Some(Command::Study(arguments)) => commands::study::run(arguments),
         Some(Command::Field(arguments)) => commands::field::run(arguments),
         Some(Command::Compare(arguments)) => commands::compare::run(arguments),

@@ -61,6 +61,33 @@ impl MassProperties {
         Some(Self { mass, inverse_mass: 1.0 / mass, gyroscopic, inverse_inertia, rotor_momentum })
     }
 
+    /// The aircraft with `mass` times its mass and `inertia` times its moments of inertia about body x, y and z; the product of
+    /// inertia changes by the geometric mean of its two axes, so that the ellipsoid keeps its tilt. The rotor stays. Factors
+    /// that are not positive and finite give `None`.
+    pub fn changed(&self, mass: f64, inertia: [f64; 3]) -> Option<Self> {
+        if !inertia.iter().all(|factor| *factor > 0.0 && factor.is_finite()) {
+            return None;
+        }
+        let whole = self.inertia_tensor();
+        let tensor =
+            core::array::from_fn(|r| core::array::from_fn(|c| whole[r][c] * libm::sqrt(inertia[r] * inertia[c])));
+        Self::from_tensor(self.mass * mass, tensor, self.rotor_momentum)
+    }
+
+    /// The inertia tensor about the centre of gravity in body axes, kg m^2, as [`from_tensor`](Self::from_tensor) takes it: the
+    /// inverse of the kept inverse, so that the last digits differ from those it was made of.
+    pub fn inertia_tensor(&self) -> [[f64; 3]; 3] {
+        let inverse = &self.inverse_inertia;
+        let cofactor = |r: usize, c: usize| {
+            let (r1, r2, c1, c2) = ((r + 1) % 3, (r + 2) % 3, (c + 1) % 3, (c + 2) % 3);
+            inverse[r1][c1] * inverse[r2][c2] - inverse[r1][c2] * inverse[r2][c1]
+        };
+        let determinant = (0..3).map(|c| inverse[0][c] * cofactor(0, c)).sum::<f64>();
+        // Rounding must not make a symmetric tensor unsymmetric.
+        let element = |r: usize, c: usize| 0.5 * (cofactor(c, r) + cofactor(r, c)) / determinant;
+        core::array::from_fn(|r| core::array::from_fn(|c| element(r, c)))
+    }
+
     /// From the mass (kg), the constants `c1..c9` of Stevens & Lewis (1.7-6) for an aircraft with the x-z plane as plane
     /// of symmetry, and the rotor's angular momentum along body x (kg m^2/s).
     ///
@@ -144,6 +171,26 @@ impl MassProperties {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A tensor with products of inertia, changed by factors, against the tensor of the changed numbers.
+    #[test]
+    fn a_changed_tensor_is_that_of_the_changed_numbers() {
+        let tensor = [[9496.0, 0.0, -982.0], [0.0, 55814.0, 0.0], [-982.0, 0.0, 63100.0]];
+        let whole = MassProperties::from_tensor(637.0, tensor, 160.0).unwrap();
+        let (a, b, c) = (0.8_f64, 1.1_f64, 0.9_f64);
+        let product = -982.0 * (a * c).sqrt();
+        let expected = [[9496.0 * a, 0.0, product], [0.0, 55814.0 * b, 0.0], [product, 0.0, 63100.0 * c]];
+        let expected = MassProperties::from_tensor(637.0 * 0.9, expected, 160.0).unwrap();
+        let changed = whole.changed(0.9, [a, b, c]).unwrap();
+        let (rates, moment) = ([0.3, -0.2, 0.1], [1000.0, -2000.0, 500.0]);
+        let (found, expected) =
+            (changed.angular_acceleration(rates, moment), expected.angular_acceleration(rates, moment));
+        assert!(found.iter().zip(expected).all(|(x, y)| (x - y).abs() < 1e-12), "{found:?} {expected:?}");
+        assert!((changed.mass() - 637.0 * 0.9).abs() < 1e-10);
+        for factor in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            assert!(whole.changed(1.0, [1.0, factor, 1.0]).is_none() && whole.changed(factor, [1.0; 3]).is_none());
+        }
+    }
 
     fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
         [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]

@@ -21,6 +21,8 @@ pub struct SensorSpecification {
     pub noise: f64,
     /// Constant offset that is added to every sample.
     pub bias: f64,
+    /// Error of the scale, a part of the value: 0.02 for a sensor that shows two per cent too much.
+    pub scale_error: f64,
     /// Time between the channel's own samples, s; zero for a sample whenever it is asked.
     pub sample_interval: f64,
     /// Age of the true value in a sample, s, linearly interpolated between the times at which the channel was asked. The
@@ -119,6 +121,7 @@ impl Sensor {
         for (field, value, valid, expected) in [
             ("noise", s.noise, s.noise >= 0.0, positive),
             ("bias", s.bias, true, "a finite number"),
+            ("scale_error", s.scale_error, true, "a finite number"),
             ("sample_interval", s.sample_interval, s.sample_interval >= 0.0, positive),
             ("delay", s.delay, s.delay >= 0.0, positive),
             ("quantisation", s.quantisation, s.quantisation >= 0.0, positive),
@@ -161,7 +164,7 @@ impl Sensor {
         }
         let s = &self.specification;
         let noise: f64 = StandardNormal.sample(&mut self.noise);
-        let mut reading = truth + s.bias + s.noise * noise;
+        let mut reading = truth * (1.0 + s.scale_error) + s.bias + s.noise * noise;
         let (chance, negative) = (self.outliers.random::<f64>(), self.outliers.random::<bool>());
         let sign = if negative { -1.0 } else { 1.0 };
         self.burst = match s.outlier_probability {

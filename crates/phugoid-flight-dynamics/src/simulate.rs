@@ -1,12 +1,13 @@
 //! Flights of an aircraft from commands, gusts and a schedule of increments: histories in plain data.
 
 mod changed;
+mod stepper;
 
-use crate::aircraft::{AirData, Aircraft, Coefficients, Controls, STATES, State};
+use crate::aircraft::{AirData, Aircraft, Coefficients, Controls, Propulsion, State};
 use crate::gust::AirMotion;
 use crate::increments::IncrementSchedule;
-use crate::integrate::rk4_step;
-use crate::motion::{Disturbance, motion};
+
+pub use self::stepper::{Instant, Stepper};
 
 /// How long a command lasts once it is given.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -91,6 +92,13 @@ pub struct TrajectorySample {
     pub coefficients: Coefficients,
 }
 
+impl TrajectorySample {
+    /// Size of the force of the propulsion system, N, negative where it pushes backwards along body x.
+    pub fn thrust(&self) -> f64 {
+        Propulsion { force: self.propulsive_force, moment: [0.0; 3] }.thrust()
+    }
+}
+
 /// A simulated flight: one sample at time zero and then one every sample time, up to and including the duration.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Trajectory {
@@ -128,14 +136,6 @@ pub enum SimulationError {
         last_speed: f64,
     },
 }
-
-const NAMES: [&str; VECTOR] = [
-    "speed", "alpha", "beta", "phi", "theta", "psi", "p", "q", "r", "north", "east", "altitude", "power", "elevator",
-    "aileron", "rudder",
-];
-
-/// Aircraft states and the three surface positions.
-const VECTOR: usize = STATES + crate::actuator::ACTUATOR_STATES;
 
 /// Air at rest, for [`Simulation::run`].
 pub fn still_air(_time: f64) -> [f64; 3] {
@@ -180,6 +180,23 @@ impl<'a, A: Aircraft> Simulation<'a, A> {
         mut commands: impl FnMut(f64, &State) -> Controls,
         mut gust: impl FnMut(f64) -> W,
     ) -> Result<Trajectory, SimulationError> {
+        let (intervals, mut stepper) = self.start()?;
+        let mut samples = Vec::with_capacity(intervals + 1);
+        for k in 0..=intervals {
+            let time = stepper.time();
+            let command = commands(time, &stepper.state());
+            let now = Instant { commands: command, air: gust(time).into(), increments: self.increments.at(time) };
+            samples.push(stepper.sample(self.aircraft, &now));
+            if k < intervals {
+                let air = |t: f64| gust(t).into();
+                stepper.advance(self.aircraft, command, &mut commands, air, |t| self.increments.at(t))?;
+            }
+        }
+        Ok(Trajectory { samples })
+    }
+
+    /// The number of samples after the first, and the flight at its beginning.
+    fn start(&self) -> Result<(usize, Stepper), SimulationError> {
         let Self { duration, sample_time, substeps, .. } = *self;
         let valid = duration >= 0.0 && duration.is_finite() && sample_time > 0.0 && sample_time.is_finite();
         if !valid || substeps == 0 {
@@ -187,63 +204,8 @@ impl<'a, A: Aircraft> Simulation<'a, A> {
         }
         // A duration that is a multiple of the sample time up to rounding includes its last sample.
         let intervals = (duration / sample_time * (1.0 + 1e-12)) as usize;
-        let step = sample_time / substeps as f64;
-        let actuators = self.use_actuators.then(|| self.aircraft.actuators());
-        let surfaces = &self.initial_surfaces;
-        let mut x = join(&self.initial, [surfaces.elevator, surfaces.aileron, surfaces.rudder]);
-        let mut samples = Vec::with_capacity(intervals + 1);
-        for k in 0..=intervals {
-            let time = grid_time(k, sample_time);
-            let (state, positions) = split(&x);
-            let mut command = commands(time, &state);
-            let air: AirMotion = gust(time).into();
-            let mut disturbance =
-                Disturbance { gust: air.velocity, gust_rates: air.rates, increments: self.increments.at(time) };
-            let surfaces = actuators.map_or(command, |a| a.controls(&command, positions));
-            let now = motion(self.aircraft, &state, &surfaces, &disturbance);
-            samples.push(TrajectorySample {
-                time,
-                state,
-                commands: command,
-                surfaces,
-                air: now.air,
-                specific_force: now.specific_force,
-                angular_acceleration: [now.rates.p, now.rates.q, now.rates.r],
-                propulsive_force: self.aircraft.propulsion(state.power, state.altitude, now.air.mach).force,
-                coefficients: now.coefficients,
-            });
-            if k == intervals {
-                break;
-            }
-            for substep in 0..substeps {
-                let t = time + substep as f64 * step;
-                if substep > 0 {
-                    if self.hold == CommandHold::Step {
-                        command = commands(t, &split(&x).0);
-                    }
-                    disturbance.increments = self.increments.at(t);
-                }
-                let rates = |t: f64, x: &[f64; VECTOR]| {
-                    let (state, positions) = split(x);
-                    let air: AirMotion = gust(t).into();
-                    (disturbance.gust, disturbance.gust_rates) = (air.velocity, air.rates);
-                    let (surfaces, surface_rates) = match actuators {
-                        Some(a) => (a.controls(&command, positions), a.rates(&command, positions)),
-                        None => (command, [0.0; 3]),
-                    };
-                    join(&motion(self.aircraft, &state, &surfaces, &disturbance).rates, surface_rates)
-                };
-                x = rk4_step(rates, t, &x, step);
-            }
-            if let Some(index) = x.iter().position(|v| !v.is_finite()) {
-                return Err(SimulationError::NotFinite {
-                    state: NAMES[index],
-                    time: grid_time(k + 1, sample_time),
-                    last_speed: state.speed,
-                });
-            }
-        }
-        Ok(Trajectory { samples })
+        let stepper = Stepper::new(self.initial, self.initial_surfaces, sample_time, substeps, self.hold);
+        Ok((intervals, stepper.with_actuators(self.use_actuators)))
     }
 }
 
@@ -252,18 +214,6 @@ impl<'a, A: Aircraft> Simulation<'a, A> {
 fn grid_time(k: usize, sample_time: f64) -> f64 {
     let rate = (1.0 / sample_time).round();
     if rate > 0.0 && (rate * sample_time - 1.0).abs() < 1e-12 { k as f64 / rate } else { k as f64 * sample_time }
-}
-
-fn join(state: &State, surfaces: [f64; 3]) -> [f64; VECTOR] {
-    let mut x = [0.0; VECTOR];
-    let (head, tail) = x.split_at_mut(STATES);
-    head.copy_from_slice(&state.to_array());
-    tail.copy_from_slice(&surfaces);
-    x
-}
-
-fn split(x: &[f64; VECTOR]) -> (State, [f64; 3]) {
-    (State::from_array(core::array::from_fn(|i| x[i])), core::array::from_fn(|i| x[STATES + i]))
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! Flies a scenario: trims the aircraft, integrates its motion, and simulates the sensors.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use phugoid_aircraft::flown::AircraftFile;
@@ -9,15 +9,16 @@ use phugoid_flight_data::quality::QualityReport;
 use phugoid_flight_data::record::{Channel, Quantity, Record};
 use phugoid_flight_dynamics::aircraft::{Aircraft, Controls, DataRange, State};
 use phugoid_flight_dynamics::built_in::BuiltInAircraft;
-use phugoid_flight_dynamics::dryden::{Dryden, DrydenError};
+use phugoid_flight_dynamics::dryden::DrydenError;
 use phugoid_flight_dynamics::f16::F16DataError;
-use phugoid_flight_dynamics::gust::{AirMotion, Gust, total_velocity};
-use phugoid_flight_dynamics::increments::{IncrementChange, IncrementSchedule, Increments};
-use phugoid_flight_dynamics::simulate::{CommandHold, Simulation, SimulationError, Trajectory, TrajectorySample};
+use phugoid_flight_dynamics::simulate::{SimulationError, Trajectory, TrajectorySample};
 use phugoid_flight_dynamics::trim::{Trim, TrimCondition, TrimError, trim};
 
 use crate::aircraft::{AircraftError, AnyAircraft};
 use crate::constant_thrust::ConstantThrust;
+use crate::course::{Change, Course};
+use crate::damaged::{Damaged, Effects};
+use crate::equivalent::damage_increments;
 use crate::manoeuvre::Surface;
 use crate::model_error::Misjudged;
 use crate::scenario::{ModelError, RecordedSurfaces, Scenario, ScenarioError, Thrust};
@@ -38,6 +39,9 @@ pub struct Flight {
     pub scenario: Scenario,
     /// Increments that the scenario's error of the model amounts to at the trim, by name; empty without one.
     pub error_increments: BTreeMap<String, f64>,
+    /// What each damage of the scenario, once complete, amounts to at the trim beside its increments, by name; empty where it
+    /// changes nothing else.
+    pub damage_increments: Vec<BTreeMap<String, f64>>,
     /// The range of flight that the aircraft's data cover.
     pub data_range: DataRange,
 }
@@ -52,7 +56,28 @@ impl Flight {
         for (name, error) in &self.error_increments {
             truth.entry(name.clone()).and_modify(|value| *value += error);
         }
+        for (name, change) in self.damage_at(time) {
+            *truth.entry(name).or_insert(0.0) += change;
+        }
         truth
+    }
+
+    /// What damage beside increments amounts to at a time (s): while it grows, a part of it.
+    fn damage_at(&self, time: f64) -> BTreeMap<String, f64> {
+        let mut now = BTreeMap::new();
+        for (damage, complete) in self.scenario.damage.iter().zip(&self.damage_increments) {
+            if damage.at.si() > time {
+                break;
+            }
+            let part = damage.part(time);
+            let names: BTreeSet<&String> = now.keys().chain(complete.keys()).collect();
+            let of = |map: &BTreeMap<String, f64>, name: &String| map.get(name).copied().unwrap_or(0.0);
+            now = names
+                .into_iter()
+                .map(|name| (name.clone(), of(&now, name) + part * (of(complete, name) - of(&now, name))))
+                .collect();
+        }
+        now
     }
 
     /// Time of the last sample before the true pitch attitude first leaves +-1 rad, s; infinite if it never does. After
@@ -92,10 +117,6 @@ impl From<F16DataError> for FlightError {
     }
 }
 
-/// Integration steps per sample: the half sample keeps the truncation error of the fastest actuator mode far below any
-/// sensor's noise.
-const SUBSTEPS: usize = 2;
-
 /// Flies a scenario.
 ///
 /// Commands are held over a sample; the recorded elevator is the surface, not the command, and without actuators the two
@@ -122,25 +143,9 @@ pub fn fly_with_progress(scenario: &Scenario, progress: &dyn Fn(f64)) -> Result<
         (AnyAircraft::File(AircraftFile::Transport(whole)), Some((damage, at))) => {
             let damaged = whole.damaged(damage).map_err(|e| AircraftError::File(e.into()))?;
             let moved = |state: &State| moved_to(whole, &damaged, state);
-            fly_changed(whole.as_ref(), Some(&Change { aircraft: &damaged, at, moved: &moved }), scenario, progress)
+            fly_changed(whole.as_ref(), Some(Change { aircraft: &damaged, at, moved: &moved }), scenario, progress)
         }
         (aircraft, Some(_)) => Err(AircraftError::NoDamage(aircraft.name().to_owned()).into()),
-    }
-}
-
-/// Another aircraft from a time on.
-struct Change<'a, A> {
-    aircraft: &'a A,
-    /// When, s.
-    at: f64,
-    /// Its state from that of the aircraft before, in the same motion.
-    moved: &'a dyn Fn(&State) -> State,
-}
-
-impl<'a, A> Change<'a, A> {
-    /// The same change of an aircraft that stands for this one.
-    fn with<B>(&self, aircraft: &'a B) -> Change<'a, B> {
-        Change { aircraft, at: self.at, moved: self.moved }
     }
 }
 
@@ -173,7 +178,7 @@ pub fn fly_aircraft<A: Aircraft>(
 
 fn fly_changed<A: Aircraft>(
     known: &A,
-    change: Option<&Change<'_, A>>,
+    change: Option<Change<'_, A>>,
     scenario: &Scenario,
     progress: &dyn Fn(f64),
 ) -> Result<Flight, FlightError> {
@@ -195,7 +200,7 @@ fn fly_changed<A: Aircraft>(
     let trajectory = match scenario.aircraft.thrust {
         Thrust::Engine => {
             let change = change.map(|(change, later)| change.with(later));
-            trajectory(&scenario, &aircraft, change.as_ref(), &trim, progress)?
+            trajectory(&scenario, &aircraft, change, &trim, progress)?
         }
         Thrust::Constant => {
             let frozen = ConstantThrust::at(&aircraft, trim.power_percent, trim.altitude_m, trim.mach);
@@ -203,20 +208,32 @@ fn fly_changed<A: Aircraft>(
                 (change, ConstantThrust::at(later, trim.power_percent, trim.altitude_m, trim.mach))
             });
             let change = later.as_ref().map(|(change, later)| change.with(later));
-            trajectory(&scenario, &frozen, change.as_ref(), &trim, progress)?
+            trajectory(&scenario, &frozen, change, &trim, progress)?
         }
     };
     let thrust = |s: &TrajectorySample| match scenario.aircraft.thrust {
-        Thrust::Engine => aircraft.propulsion(s.state.power, s.state.altitude, s.air.mach).thrust(),
-        Thrust::Constant => trim.thrust_n,
+        Thrust::Engine => s.thrust(),
+        Thrust::Constant => trim.thrust_n * scenario.effects_at(s.time).thrust,
     };
     let truth = true_record(&scenario, &trajectory, thrust);
     let measured = sense(&truth, &scenario, scenario.seed)?;
     let whole = known.data_range();
     // Damaged, the data end earlier.
     let data_range = changed.map_or(whole, |changed| changed.data_range().within(&whole));
-    let mut flight =
-        Flight { measured, truth, trim, true_parameters: BTreeMap::new(), scenario, error_increments, data_range };
+    let damage_increments = scenario.damage.iter().map(|damage| match damage.effects() {
+        Effects::NONE => BTreeMap::new(),
+        effects => damage_increments(known, &Damaged::new(known, effects, &trim), &trim),
+    });
+    let mut flight = Flight {
+        measured,
+        truth,
+        trim,
+        true_parameters: BTreeMap::new(),
+        error_increments,
+        damage_increments: damage_increments.collect(),
+        scenario,
+        data_range,
+    };
     flight.true_parameters = flight.true_parameters_at(f64::INFINITY);
     Ok(flight)
 }
@@ -258,12 +275,11 @@ pub fn sense(truth: &Record, scenario: &Scenario, seed: u64) -> Result<Record, F
 fn trajectory<A: Aircraft>(
     scenario: &Scenario,
     aircraft: &A,
-    change: Option<&Change<'_, A>>,
+    change: Option<Change<'_, A>>,
     trim: &Trim,
     progress: &dyn Fn(f64),
 ) -> Result<Trajectory, FlightError> {
     let trim_controls = trim.controls();
-    let sample_time = 1.0 / scenario.sample_rate.si();
     let time: Vec<f64> = (0..scenario.samples()).map(|k| k as f64 / scenario.sample_rate.si()).collect();
     // Deflections from trim of elevator, aileron and rudder at each sample.
     let mut deflections = [vec![0.0; time.len()], vec![0.0; time.len()], vec![0.0; time.len()]];
@@ -276,9 +292,7 @@ fn trajectory<A: Aircraft>(
         let added = manoeuvre.deflections(&time, scenario.seed, &scenario.folder)?;
         sum.iter_mut().zip(added).for_each(|(sum, added)| *sum += added);
     }
-    let at = |t: f64| ((t * scenario.sample_rate.si() + 1e-6) as usize).min(time.len() - 1);
-    let commands = |t: f64| {
-        let k = at(t);
+    let commands = |k: usize| {
         if k % 1000 == 0 {
             progress(k as f64 / time.len() as f64);
         }
@@ -289,70 +303,16 @@ fn trajectory<A: Aircraft>(
             rudder: trim_controls.rudder + deflections[2][k],
         }
     };
-    let gusts: Vec<Gust> = scenario
-        .gust
-        .iter()
-        .map(|g| Gust { axis: g.axis, amplitude: g.amplitude.si(), duration: g.duration.si(), delay: g.start.si() })
-        .collect();
-    let about = |i: &Increments| i.about(trim.alpha_rad, trim.q_rad_s, trim_controls.elevator);
-    let start = IncrementChange { time: f64::NEG_INFINITY, increments: about(&scenario.increments) };
-    let changes = changes(scenario, sample_time)
-        .map(|(time, increments)| IncrementChange { time, increments: about(&increments) });
-    let increments = IncrementSchedule::new(std::iter::once(start).chain(changes).collect())
-        .map_err(|e| ScenarioError::OutOfRange { place: scenario.name.clone(), message: e.to_string() })?;
-    let simulation = Simulation {
-        aircraft,
-        initial: trim.state(),
-        initial_surfaces: trim_controls,
-        use_actuators: scenario.aircraft.actuators,
-        increments,
-        duration: (time.len() - 1) as f64 * sample_time,
-        sample_time,
-        substeps: SUBSTEPS,
-        hold: CommandHold::Sample,
-    };
-    let turbulence = turbulence(scenario, aircraft.geometry().span, time.len())?;
-    let stage = stage_time(scenario);
-    let air = |t: f64| {
-        let gust = total_velocity(&gusts, t);
-        let Some(&random) = turbulence.get((t / stage).round() as usize) else { return AirMotion::from(gust) };
-        AirMotion { velocity: std::array::from_fn(|i| gust[i] + random.velocity[i]), rates: random.rates }
-    };
-    Ok(match change {
-        None => simulation.run(commands, air)?,
-        Some(change) => simulation.run_changed(change.aircraft, change.at, change.moved, commands, air)?,
-    })
-}
-
-/// Time between the instants at which the integration looks at the air: the stages of its steps.
-fn stage_time(scenario: &Scenario) -> f64 {
-    0.5 / (SUBSTEPS as f64 * scenario.sample_rate.si())
-}
-
-/// The turbulence of a flight at every stage of the integration; empty without turbulence.
-fn turbulence(scenario: &Scenario, span: f64, samples: usize) -> Result<Vec<AirMotion>, DrydenError> {
-    let Some(settings) = &scenario.turbulence else { return Ok(Vec::new()) };
-    let field = settings.field(scenario.condition.altitude.si());
-    // A stream of its own: with and without turbulence the sensors have the same noise.
-    let seed = scenario.seed ^ 0x0064_7279_6465_6e00;
-    let mut dryden = Dryden::new(field, scenario.condition.speed.si(), span, stage_time(scenario), seed)?;
-    let sample = || {
-        let air = dryden.sample();
-        if settings.rates { air } else { AirMotion::from(air.velocity) }
-    };
-    Ok(std::iter::repeat_with(sample).take(2 * SUBSTEPS * samples).collect())
-}
-
-/// Damage as changes at instants (s): one that takes its time changes at every sample.
-fn changes(scenario: &Scenario, sample_time: f64) -> impl Iterator<Item = (f64, Increments)> {
-    scenario.damage.iter().flat_map(move |damage| {
-        let (from, over) = (damage.at.si(), damage.over.si());
-        // The change of a sample holds until the next one: the middle of the interval stands for it.
-        let steps = (over / sample_time + 1e-9) as usize;
-        let during = (0..steps).map(move |k| from + k as f64 * sample_time);
-        let ramp = during.map(move |t| (t, scenario.increments_at(t + 0.5 * sample_time)));
-        ramp.chain(std::iter::once((from + over, damage.increments)))
-    })
+    let mut course = Course::new(scenario, aircraft, change, trim)?;
+    let mut samples = Vec::with_capacity(time.len());
+    for k in 0..time.len() {
+        let commands = commands(k);
+        samples.push(course.sample(commands));
+        if k + 1 < time.len() {
+            course.advance(commands)?;
+        }
+    }
+    Ok(Trajectory { samples })
 }
 
 /// The trajectory as a record of canonical channels.

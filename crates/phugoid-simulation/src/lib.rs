@@ -3,6 +3,9 @@
 
 pub mod aircraft;
 pub mod constant_thrust;
+pub mod course;
+pub mod damaged;
+pub mod equivalent;
 pub mod flight;
 pub mod manoeuvre;
 pub mod model_error;

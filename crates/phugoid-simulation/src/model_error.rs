@@ -5,10 +5,12 @@ use std::collections::BTreeMap;
 use phugoid_flight_dynamics::actuator::Actuators;
 use phugoid_flight_dynamics::aircraft::{AirData, Aircraft, Coefficients, Controls, DataRange, Geometry, Propulsion};
 use phugoid_flight_dynamics::atmosphere::Atmosphere;
+use phugoid_flight_dynamics::increments::Increments;
 use phugoid_flight_dynamics::mass::MassProperties;
-use phugoid_flight_dynamics::scalar::{Dual, Scalar};
+use phugoid_flight_dynamics::scalar::Scalar;
 use phugoid_flight_dynamics::trim::Trim;
 
+use crate::equivalent::equivalent_increments;
 use crate::scenario::{ModelError, TableFactors};
 
 /// An aircraft whose coefficients differ from those of `aircraft` as a [`ModelError`] says.
@@ -27,65 +29,12 @@ impl<'a, A: Aircraft> Misjudged<'a, A> {
         Self { aircraft, factors: error.tables, alpha_squared: error.Cm_alpha_squared, alpha_reference }
     }
 
-    /// The increments to the known aircraft that the error amounts to at a trim: derivatives of the difference, by name. What
-    /// an estimator that is told the tables alone should find beside the scenario's own increments, if it flies close to
-    /// the trim.
+    /// The increments to the known aircraft that the error amounts to at a trim, of the derivatives alone. What an estimator
+    /// that is told the tables alone should find beside the scenario's own increments, if it flies close to the trim.
     pub fn equivalent_increments(&self, trim: &Trim) -> BTreeMap<String, f64> {
-        const ALPHA: usize = 0;
-        const BETA: usize = 1;
-        const RATES: [usize; 3] = [2, 3, 4];
-        const SURFACES: [usize; 3] = [5, 6, 7];
-        let variable = |value: f64, index: usize| Dual::<8>::variable(value, index);
-        let alpha = variable(trim.alpha_rad, ALPHA);
-        let local = self.aircraft.atmosphere().at(trim.altitude_m);
-        let speed = trim.mach * local.speed_of_sound;
-        let air = AirData {
-            speed: Dual::from(speed),
-            alpha,
-            beta: variable(trim.beta_rad, BETA),
-            density: Dual::from(local.density),
-            dynamic_pressure: Dual::from(0.5 * local.density * speed * speed),
-            mach: Dual::from(trim.mach),
-        };
-        let rates = [trim.p_rad_s, trim.q_rad_s, trim.r_rad_s];
-        let rates: [Dual<8>; 3] = std::array::from_fn(|i| variable(rates[i], RATES[i]));
-        let at = trim.controls();
-        let controls = Controls {
-            throttle: Dual::from(at.throttle),
-            elevator: variable(at.elevator, SURFACES[0]),
-            aileron: variable(at.aileron, SURFACES[1]),
-            rudder: variable(at.rudder, SURFACES[2]),
-        };
-        let (known, flown) =
-            (self.aircraft.coefficients(&air, rates, &controls), self.coefficients(&air, rates, &controls));
-        let (sine, cosine) = alpha.sin_cos();
-        let (cx, cz) = (flown.cx - known.cx, flown.cz - known.cz);
-        let geometry = self.geometry();
-        let (chord_time, span_time) = (geometry.mean_chord / (2.0 * speed), geometry.span / (2.0 * speed));
-        let longitudinal =
-            [("CL", cx * sine - cz * cosine), ("CD", -(cx * cosine) - cz * sine), ("Cm", flown.cm - known.cm)];
-        let lateral = [("CY", flown.cy - known.cy), ("Cl", flown.cl - known.cl), ("Cn", flown.cn - known.cn)];
-        let mut found = BTreeMap::new();
-        for (coefficient, difference) in longitudinal {
-            let d = difference.derivatives;
-            for (by, value) in [("alpha", d[ALPHA]), ("q", d[RATES[1]] / chord_time), ("elevator", d[SURFACES[0]])] {
-                found.insert(format!("d{coefficient}_{by}"), value);
-            }
-        }
-        for (coefficient, difference) in lateral {
-            let d = difference.derivatives;
-            let by_rate = |i: usize| d[RATES[i]] / span_time;
-            let all = [
-                ("beta", d[BETA]),
-                ("p", by_rate(0)),
-                ("r", by_rate(2)),
-                ("aileron", d[SURFACES[1]]),
-                ("rudder", d[SURFACES[2]]),
-            ];
-            for (by, value) in all {
-                found.insert(format!("d{coefficient}_{by}"), value);
-            }
-        }
+        let mut found = equivalent_increments(self.aircraft, self, trim, |c| c);
+        let derivatives = Increments::NONE.named();
+        found.retain(|name, _| derivatives.iter().any(|(known, _)| known == name));
         found
     }
 }

@@ -5,6 +5,7 @@ mod aircraft;
 mod built_in;
 mod damage;
 mod draw;
+mod failure;
 mod ranges;
 mod sensors;
 
@@ -18,9 +19,11 @@ pub use self::air::{GustSettings, Turbulence};
 pub use self::aircraft::{AircraftSettings, Condition, DamageWord, ModelError, RecordedSurfaces, TableFactors, Thrust};
 pub use self::built_in::{BUILT_IN, built_in};
 pub use self::damage::Damage;
+pub use self::failure::{Failure, FailureKind};
 pub use self::ranges::Ranges;
 pub use self::sensors::{Sensor, Sensors};
 use crate::aircraft::AircraftError;
+use crate::damaged::Effects;
 use crate::manoeuvre::Manoeuvre;
 use crate::quantity::{Frequency, Time};
 pub use crate::text::{ScenarioError, nearest, parse_toml};
@@ -60,9 +63,12 @@ pub struct Scenario {
     /// Increments of the start that are drawn, in place of those above: `dCm_alpha = [-0.3, 0.1]`.
     #[serde(default)]
     pub increment_ranges: Ranges,
-    /// Increments that hold from a later time on, in place of all earlier ones: damage.
+    /// What changes on the aircraft in flight, in place of all earlier changes: damage.
     #[serde(default)]
     pub damage: Vec<Damage>,
+    /// Surfaces that stop to do what they are told.
+    #[serde(default)]
+    pub failure: Vec<Failure>,
     /// Sensors. A channel that is not named here is recorded as it is.
     #[serde(default)]
     pub sensors: Sensors,
@@ -132,6 +138,7 @@ impl Scenario {
         self.increments == Increments::default()
             && self.increment_ranges == Ranges::default()
             && self.damage.is_empty()
+            && self.failure.is_empty()
             && self.model_error == ModelError::default()
     }
 
@@ -140,6 +147,15 @@ impl Scenario {
         let mut now = self.increments;
         for damage in self.damage.iter().filter(|damage| damage.at.si() <= time) {
             now = damage.after(&now, time);
+        }
+        now
+    }
+
+    /// What damage has changed at a time (s) beside the increments.
+    pub fn effects_at(&self, time: f64) -> Effects {
+        let mut now = Effects::NONE;
+        for damage in self.damage.iter().filter(|damage| damage.at.si() <= time) {
+            now = damage.effects_after(&now, time);
         }
         now
     }
@@ -193,6 +209,8 @@ impl Scenario {
         for ranges in std::iter::once(&self.increment_ranges).chain(self.damage.iter().map(|d| &d.ranges)) {
             ranges.check()?;
         }
+        self.damage.iter().try_for_each(Damage::check)?;
+        self.failure.iter().try_for_each(|failure| failure.check(self.aircraft.actuators))?;
         self.model_error.check()?;
         if let Some(turbulence) = &self.turbulence {
             turbulence.check()?;

@@ -17,6 +17,7 @@ use super::method::method;
   phugoid study six --runs 100             the same of all six coefficients together
   phugoid study thesis-size --json         0.05 deg doublet and sine without noise
   phugoid study damage --runs 100          detection and recovery after damage, coverage
+  phugoid study recovery --runs 1000       damaged aircraft flown on, with four controls
   phugoid study health --runs 1000         false alarms, missed failures, onset
   phugoid study accuracy --scenario mine.toml --model mine-model.toml --at 5s --at 20s"
 ))]
@@ -27,15 +28,19 @@ pub(crate) struct Study {
     /// Number of runs, each with its own noise
     #[arg(long, default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub(crate) runs: u32,
-    /// Scenario of the study `accuracy`: a file, or the name of a built-in one
+    /// Scenario of the studies `accuracy` and `recovery`: a file, or the name of a built-in one
     #[arg(long, required_if_eq("study", "accuracy"))]
     pub(crate) scenario: Option<String>,
-    /// Model of the study `accuracy`: a file, or the name of a built-in one. It must state the noise of its outputs
+    /// Model of the studies `accuracy` and `recovery`: a file, or the name of a built-in one. It must state the noise of its
+    /// outputs
     #[arg(long, required_if_eq("study", "accuracy"))]
     pub(crate) model: Option<String>,
-    /// Estimator of the studies `calm-air` and `accuracy` [default: the one that the model file names, or smpe]
+    /// Estimator of the studies `calm-air`, `accuracy` and `recovery` [default: the one that the model file names, or smpe]
     #[arg(long, value_parser = method())]
     pub(crate) method: Option<Method>,
+    /// Seed of the first damage of the study `recovery`
+    #[arg(long, value_name = "NUMBER")]
+    pub(crate) seed: Option<u64>,
     /// Time at which the study `accuracy` compares the estimates, for example 5s; may be repeated [default: the end]
     #[arg(long, allow_hyphen_values = true, value_name = "TIME")]
     pub(crate) at: Vec<Time>,
@@ -59,6 +64,8 @@ pub(crate) enum StudyName {
     /// Change detection: random damage found or missed, and false adoptions under errors of the model. RUNS damages and
     /// RUNS minutes of flight per line
     Detection,
+    /// Random damages flown in closed loop with fixed, robust, adaptive and oracle gains. RUNS damages
+    Recovery,
     /// Health monitor: false alarms in healthy flights, and random failures with two sticks
     Health,
     /// Accuracy against the Cramer-Rao bound for a scenario and a model file of your own

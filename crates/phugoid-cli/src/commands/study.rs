@@ -71,6 +71,10 @@ pub(crate) fn run(arguments: &arguments::Study) -> Result<(), Failure> {
             let study = super::detection::detected(arguments.runs)?;
             deliver(&study, delivery.json, delivery.out.as_deref(), || super::detection::detection_text(&study))
         }
+        StudyName::Recovery => {
+            let study = super::recovery::recovered(arguments)?;
+            deliver(&study, delivery.json, delivery.out.as_deref(), || super::recovery::recovery_text(&study))
+        }
         StudyName::Health => {
             let study = health(arguments.runs)?;
             deliver(&study, delivery.json, delivery.out.as_deref(), || health_text(&study))

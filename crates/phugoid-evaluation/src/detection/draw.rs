@@ -12,7 +12,7 @@ use crate::accuracy::StudyError;
 use phugoid_simulation::flight::{Flight, FlightError, fly};
 use phugoid_simulation::manoeuvre::{Manoeuvre, Surface};
 use phugoid_simulation::quantity::{Acceleration, Angle, AngularRate, Frequency, Quantity, Speed, Time};
-use phugoid_simulation::scenario::{Damage, Ranges, Scenario, Sensor, Sensors, Turbulence};
+use phugoid_simulation::scenario::{Damage, Scenario, Sensor, Sensors, Turbulence};
 
 /// Parameters before and after the damage lie within this part of the half width of their bounds.
 const SHARE_OF_BOUNDS: f64 = 0.6;
@@ -72,12 +72,7 @@ pub(super) fn flown(
         let (before, after) = (increments(model, &mut random), increments(model, &mut random));
         scenario.increments = before.0;
         scenario.damage = match order.damage_at_s {
-            Some(at) => vec![Damage {
-                at: Time::from_si(at),
-                over: Time::from_si(0.0),
-                increments: after.0,
-                ranges: Ranges::default(),
-            }],
+            Some(at) => vec![Damage::sudden(Time::from_si(at), after.0)],
             None => Vec::new(),
         };
         scenario.manoeuvre = stick(order, &mut random);

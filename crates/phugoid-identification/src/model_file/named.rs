@@ -61,6 +61,7 @@ impl ModelFile {
         ("f16-thesis-model", include_str!("../../../../scenarios/f16-thesis-model.toml")),
         ("f16-damage-model", include_str!("../../../../scenarios/f16-damage-model.toml")),
         ("f16-gust-model", include_str!("../../../../scenarios/f16-gust-model.toml")),
+        ("f16-recovery-model", include_str!("../../../../scenarios/f16-recovery-model.toml")),
         ("f16-health-model", include_str!("../../../../scenarios/f16-health-model.toml")),
     ];
 

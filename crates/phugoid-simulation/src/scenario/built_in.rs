@@ -14,6 +14,7 @@ pub const BUILT_IN: &[(&str, &str)] = &[
     ("f16-gust-actuators", include_str!("../../../../scenarios/f16-gust-actuators.toml")),
     ("f16-failure", include_str!("../../../../scenarios/f16-failure.toml")),
     ("f16-healthy", include_str!("../../../../scenarios/f16-healthy.toml")),
+    ("f16-recovery", include_str!("../../../../scenarios/f16-recovery.toml")),
     ("hfb320", include_str!("../../../../scenarios/hfb320.toml")),
 ];
 

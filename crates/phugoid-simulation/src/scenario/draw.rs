@@ -58,4 +58,10 @@ fn draw<Q: Quantity>(sensor: &mut Sensor<Q>, of_si: fn(f64) -> Q, random: &mut P
         sensor.bias = of_si(sensor.bias.si() + spread * normal);
         sensor.bias_spread = of_si(0.0);
     }
+    // Only drawn where it is asked for: scenarios without it keep their numbers.
+    if sensor.scale_error_spread != 0.0 {
+        let normal: f64 = StandardNormal.sample(random);
+        sensor.scale_error += sensor.scale_error_spread * normal;
+        sensor.scale_error_spread = 0.0;
+    }
 }

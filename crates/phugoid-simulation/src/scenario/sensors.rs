@@ -17,6 +17,10 @@ pub struct Sensor<Q> {
     pub bias: Q,
     /// Standard deviation of a further constant error that is drawn once per flight.
     pub bias_spread: Q,
+    /// Error of the scale, a part of the value: 0.02 for a sensor that shows two per cent too much.
+    pub scale_error: f64,
+    /// Standard deviation of a further error of the scale that is drawn once per flight.
+    pub scale_error_spread: f64,
     /// Size of the steps of the digital output.
     pub quantisation: Q,
     /// Age of what is measured: a value at time t is that of the aircraft at t minus this delay.
@@ -39,6 +43,7 @@ impl<Q: Quantity> Sensor<Q> {
         SensorSpecification {
             noise: self.noise.si(),
             bias: self.bias.si(),
+            scale_error: self.scale_error,
             sample_interval: self.rate.map_or(0.0, |rate| rate.si().recip()),
             delay: self.delay.si(),
             quantisation: self.quantisation.si(),

@@ -1,0 +1,155 @@
+//! `phugoid fly`.
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use phugoid_control::qualities::Level;
+use phugoid_flight_data::output_file;
+use phugoid_recovery::controller::NAMES;
+use phugoid_recovery::flight::{Event, History, RecoveryError, RecoveryFlight, Settings, fly};
+use phugoid_recovery::outcome::{Left, Outcome};
+use phugoid_recovery::page::page;
+use phugoid_report::study_html;
+use serde::Serialize;
+
+use super::estimate::model;
+use super::simulate::{failure as flight_failure, scenario};
+use crate::arguments;
+use crate::failure::Failure;
+use crate::output::{Table, json, print, significant};
+use crate::progress::Progress;
+
+/// The result as a JSON document. SI and radians.
+#[derive(Serialize)]
+struct Document<'a> {
+    scenario: &'a str,
+    control: phugoid_recovery::flight::Control,
+    events: &'a [Event],
+    outcome: &'a Outcome,
+    /// What the estimate says is left; null for a control without one.
+    left: Option<Left>,
+    /// What is left in truth.
+    truly_left: &'a Left,
+    page: PathBuf,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    history: Option<&'a History>,
+}
+
+pub(crate) fn run(arguments: &arguments::Fly) -> Result<(), Failure> {
+    let mut scenario = scenario(&arguments.scenario)?;
+    scenario.seed = arguments.seed.unwrap_or(scenario.seed);
+    let model = model(&arguments.model)?;
+    let defaults = Settings::default();
+    let settings = Settings {
+        control: arguments.control.into(),
+        form: arguments.form.into(),
+        excitation: defaults.excitation.filter(|_| !arguments.no_excitation),
+        method: arguments.method.or(defaults.method),
+        ..defaults
+    };
+    let flight = {
+        let _progress = Progress::spinner("flying");
+        fly(&scenario, &settings, &model).map_err(failure)?
+    };
+    let out = &arguments.out;
+    std::fs::create_dir_all(out).map_err(|e| Failure::writing(out, e))?;
+    let place = out.join("flight.html");
+    output_file::write(&place, study_html(&html(arguments, &flight))).map_err(|e| Failure::writing(&place, e))?;
+    let document = Document {
+        scenario: &flight.scenario,
+        control: flight.control,
+        events: &flight.events,
+        outcome: &flight.outcome,
+        left: flight.left,
+        truly_left: &flight.truly_left,
+        page: place.clone(),
+        history: arguments.history.then_some(&flight.history),
+    };
+    if arguments.json { print(&json(&document)?) } else { print(&text(&flight, &place)) }
+}
+
+fn html(arguments: &arguments::Fly, flight: &RecoveryFlight) -> phugoid_report::StudyPage {
+    let sections = page(flight).into_iter().map(|section| phugoid_report::StudySection {
+        anchor: section.anchor.to_owned(),
+        heading: section.heading.to_owned(),
+        paragraphs: section.paragraphs,
+        tables: section.tables,
+        charts: section.charts,
+    });
+    let facts = [
+        ("Control", flight.control.word().to_owned()),
+        ("Ended", ended(&flight.outcome).to_owned()),
+        ("Flying qualities", level(flight.outcome.level).to_owned()),
+    ];
+    phugoid_report::StudyPage {
+        title: flight.scenario.clone(),
+        by: "Flown by Phugoid".to_owned(),
+        notes: vec![format!("Made with `phugoid fly {} --control {}`.", arguments.scenario, flight.control.word())],
+        facts: facts.into_iter().map(|(name, value)| (name.to_owned(), value)).collect(),
+        sections: sections.collect(),
+    }
+}
+
+/// An input error if the scenario or the model is wrong, else a task without an answer.
+pub(super) fn failure(error: RecoveryError) -> Failure {
+    match error {
+        RecoveryError::Flight(error) => flight_failure(error),
+        RecoveryError::Estimate(error) => error.into(),
+        RecoveryError::NoGains => Failure::impossible(error),
+        other => Failure::input(other),
+    }
+}
+
+fn ended(outcome: &Outcome) -> &'static str {
+    match (outcome.departed, outcome.level_flight) {
+        (true, _) => "departed from controlled flight",
+        (false, true) => "in level flight",
+        (false, false) => "in the air, not in level flight",
+    }
+}
+
+pub(super) fn level(level: Level) -> &'static str {
+    match level {
+        Level::One => "level 1",
+        Level::Two => "level 2",
+        Level::Three => "level 3",
+        Level::Worse => "worse than level 3",
+    }
+}
+
+fn text(flight: &RecoveryFlight, page: &Path) -> String {
+    let mut text = format!("{}\nControl: {}\n\n", flight.scenario, flight.control.word());
+    for event in &flight.events {
+        let _ = writeln!(text, "{:8.2} s  {}", event.time_s, event.text);
+    }
+    let outcome = &flight.outcome;
+    let _ = writeln!(
+        text,
+        "\nEnded {}, flying qualities {} (the true aircraft with the last gains, MIL-F-8785C class IV, category B).\n\
+         Load factor {} to {} g, altitude lost {} m.",
+        ended(outcome),
+        level(outcome.level),
+        significant(outcome.load_factor[0], 2),
+        significant(outcome.load_factor[1], 2),
+        significant(outcome.altitude_lost_m, 2)
+    );
+    if let Some(left) = &flight.left {
+        let _ = writeln!(text, "\nWhat the estimate says is left: flying qualities {}", level(left.level));
+        let degrees = |angle: f64| significant(angle.to_degrees(), 3);
+        let mut table = Table::new(&["surface", "steady flight takes, deg", "+- 2 sigma", "left", "at least", "true"]);
+        for ((name, margin), truth) in NAMES.iter().zip(&left.margins).zip(&flight.truly_left.margins) {
+            table.row([
+                (*name).to_owned(),
+                degrees(margin.trim),
+                degrees(2.0 * margin.std_error),
+                format!("{} %", significant(100.0 * margin.left, 3)),
+                format!("{} %", significant(100.0 * margin.at_least, 3)),
+                format!("{} %", significant(100.0 * truth.left, 3)),
+            ]);
+        }
+        text.push_str(&table.render());
+        text.push_str("Left: the way from there to the nearer limit, as a part of half the range.\n");
+    }
+    let _ = writeln!(text, "\nWritten: {}", page.display());
+    text
+}

@@ -1,0 +1,365 @@
+//! The control law of each frame: rate commands are followed, constant moments integrated away, surfaces kept within their limits,
+//! and gains changed without a step of any surface.
+
+use crate::gains::Gains;
+use crate::local::{ALPHA, AXES, BETA, P, Q, R, SURFACES, VARIABLES};
+
+/// What is measured of the aircraft; rad and rad/s. A value that is no number is taken from the frame before.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Measured {
+    /// Angle of attack, sideslip, roll, pitch and yaw rate, as they are (not from the reference).
+    pub variables: [f64; VARIABLES],
+    /// Positions of elevator, aileron and rudder; the incremental form needs them.
+    pub surfaces: [f64; SURFACES],
+}
+
+/// What the pilot or an outer loop asks for.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Demand {
+    /// Roll rate, rad/s, positive right wing down.
+    pub roll_rate: f64,
+    /// Pitch rate, rad/s, positive nose up.
+    pub pitch_rate: f64,
+    /// Yaw rate of the turn, rad/s, positive nose right; that of a steady turn is `g sin(phi) cos(theta) / V`.
+    pub yaw_rate: f64,
+    /// Sideslip, rad, positive with the air from the right.
+    pub sideslip: f64,
+}
+
+/// The form of the law.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+pub enum Form {
+    /// The wanted less the modelled angular acceleration, over the modelled effect of the surfaces. Uses everything that is
+    /// estimated.
+    #[default]
+    Model,
+    /// The wanted less the measured angular acceleration, added to where the surfaces are (incremental nonlinear dynamic inversion,
+    /// INDI). Uses the effect of the surfaces alone; stability and damping come from the gyroscopes.
+    Incremental,
+}
+
+/// The fixed settings of a law.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Settings {
+    /// Time between two frames, s.
+    pub sample_time: f64,
+    /// The feedback variables at the reference, rad and rad/s.
+    pub reference: [f64; VARIABLES],
+    /// Positions of elevator, aileron and rudder at the reference, rad.
+    pub surfaces: [f64; SURFACES],
+    /// Lowest and highest command of each surface, rad.
+    pub limits: [[f64; 2]; SURFACES],
+    /// Largest change of each command, rad/s.
+    pub rate_limits: [f64; SURFACES],
+    /// How fast constant moments are integrated away, rad/s: roll, pitch, yaw.
+    pub integration: [f64; AXES],
+    /// Bandwidth of the filter of the measured angular acceleration, rad/s (incremental form).
+    pub filter: f64,
+    /// The form of the law.
+    pub form: Form,
+}
+
+impl Settings {
+    /// Settings for an aircraft at a reference, with surfaces within `limits` (rad) at up to `rate_limits` (rad/s).
+    pub fn new(
+        sample_time: f64,
+        reference: [f64; VARIABLES],
+        surfaces: [f64; SURFACES],
+        limits: [[f64; 2]; SURFACES],
+        rate_limits: [f64; SURFACES],
+    ) -> Self {
+        Self {
+            sample_time,
+            reference,
+            surfaces,
+            limits,
+            rate_limits,
+            integration: [0.8, 0.8, 0.4],
+            filter: 30.0,
+            form: Form::Model,
+        }
+    }
+}
+
+/// The law with its memory.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Law {
+    settings: Settings,
+    gains: Gains,
+    /// Angular accelerations that are added for what the model does not know, rad/s^2.
+    integral: [f64; AXES],
+    /// The change of the angle of attack that follows the commanded pitch rate, rad.
+    climb: f64,
+    /// The last commands, rad.
+    commands: [f64; SURFACES],
+    /// The last measured values.
+    last: Measured,
+    /// The last demand.
+    demand: Demand,
+    /// Filtered rates and surface positions, and the rates' filtered derivatives.
+    rates: [f64; AXES],
+    positions: [f64; SURFACES],
+    accelerations: [f64; AXES],
+    started: bool,
+}
+
+impl Law {
+    /// A law that begins at its reference.
+    pub fn new(settings: Settings, gains: Gains) -> Self {
+        let surfaces = settings.surfaces;
+        Self {
+            settings,
+            gains,
+            integral: [0.0; AXES],
+            climb: 0.0,
+            commands: surfaces,
+            last: Measured { variables: settings.reference, surfaces },
+            demand: Demand::default(),
+            rates: [0.0; AXES],
+            positions: surfaces,
+            accelerations: [0.0; AXES],
+            started: false,
+        }
+    }
+
+    /// The gains in use.
+    pub fn gains(&self) -> &Gains {
+        &self.gains
+    }
+
+    /// The settings in use.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// Changes the largest rate of each command, rad/s: for a surface that has become slow.
+    pub fn set_rate_limits(&mut self, rate_limits: [f64; SURFACES]) {
+        self.settings.rate_limits = rate_limits;
+    }
+
+    /// Takes new gains. No command jumps: what the integrators held with the old gains is expressed with the new ones. Gains that
+    /// are not finite are refused.
+    pub fn change_gains(&mut self, gains: Gains) -> bool {
+        if !gains.is_finite() {
+            return false;
+        }
+        let state = self.deviations(&self.last);
+        self.gains = gains;
+        if self.settings.form == Form::Incremental {
+            return true;
+        }
+        let moved: [f64; SURFACES] = core::array::from_fn(|j| self.commands[j] - self.settings.surfaces[j]);
+        let asked = self.asked(&self.demand);
+        for i in 0..AXES {
+            let made: f64 = (0..SURFACES).map(|j| gains.surfaces[i][j] * moved[j]).sum();
+            let by_state: f64 = (0..VARIABLES).map(|j| gains.added[i][j] * state[j]).sum();
+            self.integral[i] = made - by_state - asked[i] + gains.constant[i];
+        }
+        true
+    }
+
+    /// Commands to elevator, aileron and rudder (rad) for one frame.
+    pub fn update(&mut self, measured: &Measured, demand: &Demand) -> [f64; SURFACES] {
+        let measured = self.replaced(measured);
+        let settings = self.settings;
+        let state = self.deviations(&measured);
+        self.filter(&measured);
+        let gains = &self.gains;
+        let asked = self.asked(demand);
+        let limits: [[f64; 2]; SURFACES] = core::array::from_fn(|j| {
+            let step = settings.rate_limits[j] * settings.sample_time;
+            let [lowest, highest] = settings.limits[j];
+            [lowest.max(self.commands[j] - step), highest.min(self.commands[j] + step)]
+        });
+        let from = match settings.form {
+            Form::Model => settings.surfaces,
+            Form::Incremental => self.positions,
+        };
+        let mut needed = [0.0; AXES];
+        for (i, needed) in needed.iter_mut().enumerate() {
+            let by_state = match settings.form {
+                Form::Model => (0..VARIABLES).map(|j| gains.added[i][j] * state[j]).sum::<f64>() - gains.constant[i],
+                Form::Incremental => {
+                    (0..VARIABLES).map(|j| gains.wanted[i][j] * state[j]).sum::<f64>() - self.accelerations[i]
+                }
+            };
+            *needed = by_state + asked[i] + self.integral[i];
+        }
+        let ways: [[f64; 2]; SURFACES] = core::array::from_fn(|j| {
+            let [lowest, highest] = if gains.free[j] { limits[j] } else { [measured.surfaces[j]; 2] };
+            [lowest - from[j], highest - from[j]]
+        });
+        let deflections = gains.allocate(needed, &ways);
+        // A surface that cannot be used is told to stay where it is.
+        let commands: [f64; SURFACES] =
+            core::array::from_fn(|j| if gains.free[j] { from[j] + deflections[j] } else { measured.surfaces[j] });
+        // What the surfaces could not give: integration in that direction would only wind up.
+        let short: [f64; AXES] = core::array::from_fn(|i| {
+            let given: f64 = (0..SURFACES).map(|j| gains.surfaces[i][j] * deflections[j]).sum();
+            needed[i] - given
+        });
+        let errors = [
+            -gains.wanted[0][P] * (demand.roll_rate - state[P]),
+            -gains.wanted[1][Q] * (demand.pitch_rate - state[Q]),
+            gains.wanted[2][BETA] * (state[BETA] - demand.sideslip),
+        ];
+        for i in 0..AXES {
+            // A tenth of what is asked of the axis: the price of deflection leaves a little behind in any case.
+            let winds_up = short[i] * errors[i] > 0.0 && short[i].abs() > 0.1 * needed[i].abs();
+            if !winds_up && errors[i].is_finite() {
+                self.integral[i] += settings.integration[i] * errors[i] * settings.sample_time;
+            }
+        }
+        // alpha' = q + Z_alpha alpha: the wanted motion has the angle of attack that goes with the commanded rate.
+        let climbing = demand.pitch_rate + gains.lift * self.climb;
+        if climbing.is_finite() {
+            self.climb += climbing * settings.sample_time;
+        }
+        for j in 0..SURFACES {
+            if commands[j].is_finite() {
+                self.commands[j] = commands[j];
+            }
+        }
+        (self.last, self.demand) = (measured, *demand);
+        self.commands
+    }
+
+    /// Angular accelerations that the demand asks for, rad/s^2.
+    fn asked(&self, demand: &Demand) -> [f64; AXES] {
+        let wanted = &self.gains.wanted;
+        [
+            -wanted[0][P] * demand.roll_rate,
+            -wanted[1][Q] * demand.pitch_rate - wanted[1][ALPHA] * self.climb,
+            -wanted[2][R] * demand.yaw_rate - wanted[2][BETA] * demand.sideslip,
+        ]
+    }
+
+    fn deviations(&self, measured: &Measured) -> [f64; VARIABLES] {
+        core::array::from_fn(|j| measured.variables[j] - self.settings.reference[j])
+    }
+
+    /// The measurement with the last good value in the place of each that is no number.
+    fn replaced(&self, measured: &Measured) -> Measured {
+        let good = |now: f64, before: f64| if now.is_finite() { now } else { before };
+        Measured {
+            variables: core::array::from_fn(|j| good(measured.variables[j], self.last.variables[j])),
+            surfaces: core::array::from_fn(|j| good(measured.surfaces[j], self.last.surfaces[j])),
+        }
+    }
+
+    /// The same first-order lag for rates and surface positions, so that both are equally late.
+    fn filter(&mut self, measured: &Measured) {
+        let rates = [measured.variables[P], measured.variables[Q], measured.variables[R]];
+        if !self.started {
+            (self.rates, self.positions, self.started) = (rates, measured.surfaces, true);
+        }
+        let share = 1.0 - libm::exp(-self.settings.filter * self.settings.sample_time);
+        for i in 0..AXES {
+            let step = share * (rates[i] - self.rates[i]);
+            self.rates[i] += step;
+            self.accelerations[i] = step / self.settings.sample_time;
+        }
+        for j in 0..SURFACES {
+            self.positions[j] += share * (measured.surfaces[j] - self.positions[j]);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gains::tests::fighter;
+    use crate::local::{LocalModel, STATES};
+    use crate::target::Targets;
+
+    const LIMITS: [[f64; 2]; 3] = [[-0.43, 0.43], [-0.37, 0.37], [-0.52, 0.52]];
+
+    fn settings(form: Form) -> Settings {
+        Settings { form, ..Settings::new(0.01, [0.0; 5], [0.0; 3], LIMITS, [1.0, 1.4, 2.0]) }
+    }
+
+    /// Flies a linear aircraft with the law; the surfaces follow at once. States `[alpha, beta, phi, p, q, r]`.
+    fn fly(model: &LocalModel, law: &mut Law, demand: Demand, seconds: f64) -> [f64; STATES] {
+        let mut x = [0.0; STATES];
+        let a = model.closed_loop(&[[0.0; 5]; 3]);
+        let mut u = [0.0; 3];
+        for _ in 0..(seconds / 0.01) as usize {
+            let measured = Measured { variables: [x[0], x[1], x[3], x[4], x[5]], surfaces: u };
+            u = law.update(&measured, &demand);
+            for _ in 0..10 {
+                let mut rate = [0.0; STATES];
+                for i in 0..STATES {
+                    rate[i] = (0..STATES).map(|j| a[i][j] * x[j]).sum();
+                }
+                rate[0] += model.alpha_by_elevator * u[0];
+                rate[1] += model.beta_by_rudder * u[2];
+                for i in 0..3 {
+                    rate[3 + i] += (0..3).map(|j| model.surfaces[i][j] * u[j]).sum::<f64>() + model.constant[i];
+                }
+                (0..STATES).for_each(|i| x[i] += 0.001 * rate[i]);
+            }
+        }
+        x
+    }
+
+    #[test]
+    fn rates_are_followed_and_a_constant_moment_is_integrated_away() {
+        for form in [Form::Model, Form::Incremental] {
+            let mut model = fighter();
+            let gains = Gains::place(&model, &Targets::default()).unwrap();
+            let demand = Demand { pitch_rate: 0.05, ..Demand::default() };
+            let x = fly(&model, &mut Law::new(settings(form), gains), demand, 6.0);
+            assert!((x[4] - 0.05).abs() < 0.004, "{form:?} {x:?}");
+            // The gains do not know of the moments.
+            model.constant = [0.5, -0.3, 0.1];
+            let x = fly(&model, &mut Law::new(settings(form), gains), Demand::default(), 15.0);
+            assert!(x[3].abs() < 0.01 && x[4].abs() < 0.005 && x[1].abs() < 0.01, "{form:?} {x:?}");
+        }
+    }
+
+    #[test]
+    fn new_gains_move_no_surface() {
+        let model = fighter();
+        let gains = Gains::place(&model, &Targets::default()).unwrap();
+        let mut law = Law::new(settings(Form::Model), gains);
+        let demand = Demand { roll_rate: 0.3, pitch_rate: 0.03, ..Demand::default() };
+        fly(&model, &mut law, demand, 0.7);
+        let mut other = model;
+        other.surfaces.iter_mut().flatten().for_each(|b| *b *= 0.6);
+        other.rates[1][0] = 5.0;
+        let before = law.commands;
+        let last = law.last;
+        assert!(law.change_gains(Gains::place(&other, &Targets::default()).unwrap()));
+        let after = law.update(&last, &demand);
+        for (before, after) in before.iter().zip(after) {
+            assert!((before - after).abs() < 0.003, "{before} {after}");
+        }
+        assert!(!law.change_gains(Gains { constant: [f64::NAN; 3], ..gains }));
+    }
+
+    #[test]
+    fn limits_hold_and_nothing_winds_up() {
+        let model = fighter();
+        let gains = Gains::place(&model, &Targets::default()).unwrap();
+        let mut law = Law::new(settings(Form::Model), gains);
+        // More than the ailerons can give, for long: when the demand ends the roll ends too.
+        fly(&model, &mut law, Demand { roll_rate: 20.0, ..Demand::default() }, 5.0);
+        assert!(law.commands.iter().zip(LIMITS).all(|(u, [low, high])| (low..=high).contains(u)));
+        assert!(law.integral.iter().all(|i| i.abs() < 60.0), "{:?}", law.integral);
+    }
+
+    #[test]
+    fn what_is_no_number_is_taken_from_the_frame_before() {
+        let gains = Gains::place(&fighter(), &Targets::default()).unwrap();
+        let mut law = Law::new(settings(Form::Model), gains);
+        let measured = Measured { variables: [0.01, 0.0, 0.02, 0.03, 0.0], surfaces: [0.0; 3] };
+        law.update(&measured, &Demand::default());
+        let missing = Measured { variables: [f64::NAN; 5], surfaces: [f64::NAN; 3] };
+        assert!(law.update(&missing, &Demand::default()).iter().all(|u| u.is_finite()));
+        assert_eq!(law.last, measured);
+    }
+}

@@ -1,0 +1,179 @@
+//! The integration of a flight sample by sample: for who decides from one sample to the next what flies and how.
+
+use super::{CommandHold, SimulationError, TrajectorySample, grid_time};
+use crate::actuator::ACTUATOR_STATES;
+use crate::aircraft::{Aircraft, Controls, STATES, State};
+use crate::gust::AirMotion;
+use crate::increments::Increments;
+use crate::integrate::rk4_step;
+use crate::motion::{Disturbance, motion};
+
+/// Aircraft states and the three surface positions.
+const VECTOR: usize = STATES + ACTUATOR_STATES;
+
+const NAMES: [&str; VECTOR] = [
+    "speed", "alpha", "beta", "phi", "theta", "psi", "p", "q", "r", "north", "east", "altitude", "power", "elevator",
+    "aileron", "rudder",
+];
+
+/// What acts on the aircraft at one instant.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Instant {
+    /// Commands to lever and surfaces (rad, throttle 0 to 1).
+    pub commands: Controls,
+    /// Motion of the air.
+    pub air: AirMotion,
+    /// Aerodynamic increments in force.
+    pub increments: Increments,
+}
+
+/// A flight that is integrated one sample after another. [`Simulation`](super::Simulation) runs one from its beginning to its
+/// end; who holds a stepper may give it another aircraft for each sample (damage that grows) and choose the commands from what
+/// was measured.
+///
+/// ```
+/// use phugoid_flight_dynamics::f16::{F16, F16Options};
+/// use phugoid_flight_dynamics::simulate::{CommandHold, Instant, Stepper};
+/// use phugoid_flight_dynamics::trim::{TrimCondition, trim};
+///
+/// let aircraft = F16::new(F16Options { cg: 0.30, ..F16Options::default() })?;
+/// let steady = trim(&aircraft, &TrimCondition::steady(&aircraft, 205.74, 6096.0, 0.0, 0.0))?;
+/// let mut flight = Stepper::new(steady.state(), steady.controls(), 0.01, 2, CommandHold::Sample);
+/// for _ in 0..100 {
+///     flight.hold(&aircraft, &Instant { commands: steady.controls(), ..Instant::default() })?;
+/// }
+/// assert_eq!(flight.time(), 1.0);
+/// assert!(flight.state().q.abs() < 1e-9); // still in trim
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Stepper {
+    x: [f64; VECTOR],
+    /// Number of samples flown.
+    k: usize,
+    sample_time: f64,
+    substeps: usize,
+    hold: CommandHold,
+    use_actuators: bool,
+}
+
+impl Stepper {
+    /// A flight that begins in the state `initial` with the surfaces at `surfaces` (rad), with actuators. The sample time (s)
+    /// is divided into `substeps` steps of the integration, at least one.
+    pub fn new(initial: State, surfaces: Controls, sample_time: f64, substeps: usize, hold: CommandHold) -> Self {
+        let x = join(&initial, [surfaces.elevator, surfaces.aileron, surfaces.rudder]);
+        Self { x, k: 0, sample_time, substeps: substeps.max(1), hold, use_actuators: true }
+    }
+
+    /// The same flight with or without the aircraft's actuators.
+    #[must_use]
+    pub fn with_actuators(self, use_actuators: bool) -> Self {
+        Self { use_actuators, ..self }
+    }
+
+    /// Time since the start of the flight, s.
+    pub fn time(&self) -> f64 {
+        grid_time(self.k, self.sample_time)
+    }
+
+    /// State of the aircraft now.
+    pub fn state(&self) -> State {
+        split(&self.x).0
+    }
+
+    /// Puts the aircraft into another state; surfaces and time stay. For an aircraft whose centre of gravity jumps in the body.
+    pub fn set_state(&mut self, state: &State) {
+        let (_, surfaces) = split(&self.x);
+        self.x = join(state, surfaces);
+    }
+
+    /// Surface positions behind the actuators, `[elevator, aileron, rudder]`, rad. Without actuators they are where they began.
+    pub fn positions(&self) -> [f64; ACTUATOR_STATES] {
+        split(&self.x).1
+    }
+
+    /// Everything that the aircraft shows at this instant.
+    pub fn sample<A: Aircraft>(&self, aircraft: &A, now: &Instant) -> TrajectorySample {
+        let (state, positions) = split(&self.x);
+        let disturbance = Disturbance { gust: now.air.velocity, gust_rates: now.air.rates, increments: now.increments };
+        let actuators = self.use_actuators.then(|| aircraft.actuators());
+        let surfaces = actuators.map_or(now.commands, |a| a.controls(&now.commands, positions));
+        let motion = motion(aircraft, &state, &surfaces, &disturbance);
+        TrajectorySample {
+            time: self.time(),
+            state,
+            commands: now.commands,
+            surfaces,
+            air: motion.air,
+            specific_force: motion.specific_force,
+            angular_acceleration: [motion.rates.p, motion.rates.q, motion.rates.r],
+            propulsive_force: aircraft.propulsion(state.power, state.altitude, motion.air.mach).force,
+            coefficients: motion.coefficients,
+        }
+    }
+
+    /// Flies one sample with commands that are held, and the same air and increments throughout.
+    ///
+    /// # Errors
+    /// [`SimulationError::NotFinite`] when the motion diverges.
+    pub fn hold<A: Aircraft>(&mut self, aircraft: &A, now: &Instant) -> Result<(), SimulationError> {
+        self.advance(aircraft, now.commands, |_, _| now.commands, |_| now.air, |_| now.increments)
+    }
+
+    /// Flies one sample. `command` holds from its beginning; where commands are held over a step, `commands` is asked again at
+    /// the beginning of each further one. The air is asked at every stage of the integration, the increments at every step.
+    ///
+    /// # Errors
+    /// [`SimulationError::NotFinite`] when the motion diverges; the flight is then over.
+    pub fn advance<A: Aircraft>(
+        &mut self,
+        aircraft: &A,
+        mut command: Controls,
+        mut commands: impl FnMut(f64, &State) -> Controls,
+        mut air: impl FnMut(f64) -> AirMotion,
+        increments: impl Fn(f64) -> Increments,
+    ) -> Result<(), SimulationError> {
+        let time = self.time();
+        let last_speed = self.state().speed;
+        let step = self.sample_time / self.substeps as f64;
+        let actuators = self.use_actuators.then(|| aircraft.actuators());
+        let mut disturbance = Disturbance { increments: increments(time), ..Disturbance::default() };
+        for substep in 0..self.substeps {
+            let t = time + substep as f64 * step;
+            if substep > 0 {
+                if self.hold == CommandHold::Step {
+                    command = commands(t, &split(&self.x).0);
+                }
+                disturbance.increments = increments(t);
+            }
+            let rates = |t: f64, x: &[f64; VECTOR]| {
+                let (state, positions) = split(x);
+                let air = air(t);
+                (disturbance.gust, disturbance.gust_rates) = (air.velocity, air.rates);
+                let (surfaces, surface_rates) = match actuators {
+                    Some(a) => (a.controls(&command, positions), a.rates(&command, positions)),
+                    None => (command, [0.0; ACTUATOR_STATES]),
+                };
+                join(&motion(aircraft, &state, &surfaces, &disturbance).rates, surface_rates)
+            };
+            self.x = rk4_step(rates, t, &self.x, step);
+        }
+        self.k += 1;
+        match self.x.iter().zip(NAMES).find(|(v, _)| !v.is_finite()) {
+            Some((_, state)) => Err(SimulationError::NotFinite { state, time: self.time(), last_speed }),
+            None => Ok(()),
+        }
+    }
+}
+
+fn join(state: &State, surfaces: [f64; ACTUATOR_STATES]) -> [f64; VECTOR] {
+    let mut x = [0.0; VECTOR];
+    let (head, tail) = x.split_at_mut(STATES);
+    head.copy_from_slice(&state.to_array());
+    tail.copy_from_slice(&surfaces);
+    x
+}
+
+fn split(x: &[f64; VECTOR]) -> (State, [f64; ACTUATOR_STATES]) {
+    (State::from_array(core::array::from_fn(|i| x[i])), core::array::from_fn(|i| x[STATES + i]))
+}

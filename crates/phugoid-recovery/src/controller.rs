@@ -1,0 +1,223 @@
+//! When gains change in flight, and which are taken.
+
+use phugoid_control::excitation::{Excitation, Now, Settings as ExcitationSettings};
+use phugoid_control::following::{Follower, Following};
+use phugoid_control::gains::Gains;
+use phugoid_control::interval::{Estimate, allows, supports};
+use phugoid_control::law::{Law, Measured};
+use phugoid_control::local::{AXES, LocalModel, SURFACES};
+use phugoid_control::prediction::Recent;
+use phugoid_control::qualities::{Category, qualities};
+use phugoid_control::target::Targets;
+
+/// Gain of the worst motion that a change of gains has to bring, 1/s.
+const WORTH: f64 = 0.1;
+/// Time between two decisions, s.
+const EVERY: f64 = 0.2;
+/// Roll, pitch and yaw acceleration that noise and gusts make, rad/s^2.
+const FLOOR: [f64; AXES] = [0.25, 0.1, 0.05];
+/// The surfaces in their order.
+pub const NAMES: [&str; SURFACES] = ["elevator", "aileron", "rudder"];
+
+/// What the controller decided in one frame.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Decision {
+    /// Gains for the present estimate were taken.
+    NewGains,
+    /// A surface no longer does what it is told.
+    Surface(usize, Following),
+}
+
+/// A controller that takes its gains from estimates.
+pub struct Controller {
+    law: Law,
+    targets: Targets,
+    followers: Option<[Follower; SURFACES]>,
+    excitation: Option<Excitation>,
+    free: [bool; SURFACES],
+    recent: Recent,
+    /// What was added to the last commands, rad.
+    probe: [f64; SURFACES],
+    next_s: f64,
+}
+
+/// What a controller is told in one frame.
+pub struct Told<'a> {
+    /// Time, s.
+    pub time_s: f64,
+    /// The measurements.
+    pub measured: Measured,
+    /// The commands of the frame before, rad.
+    pub commands: [f64; SURFACES],
+    /// The estimate, where there is one that may be used.
+    pub estimate: Option<&'a Estimate>,
+    /// Whether the estimate is exact: then nothing is asked of its bounds.
+    pub is_truth: bool,
+    /// Whether the estimate is of the aircraft as it is: no change is suspected, and none was a moment ago.
+    pub is_settled: bool,
+}
+
+impl Controller {
+    /// A controller with these first gains; with `followers` it watches the surfaces, with `excitation` it moves them to learn.
+    pub fn new(
+        law: Law,
+        targets: Targets,
+        followers: Option<[Follower; SURFACES]>,
+        excitation: Option<ExcitationSettings>,
+    ) -> Self {
+        Self {
+            law,
+            targets,
+            followers,
+            excitation: excitation.map(Excitation::new),
+            free: [true; SURFACES],
+            recent: Recent::new(),
+            probe: [0.0; SURFACES],
+            next_s: 0.0,
+        }
+    }
+
+    /// The law.
+    pub fn law(&mut self) -> &mut Law {
+        &mut self.law
+    }
+
+    /// The gains in use.
+    pub fn gains(&self) -> &Gains {
+        self.law.gains()
+    }
+
+    /// The surfaces that still do what they are told.
+    pub fn free(&self) -> [bool; SURFACES] {
+        self.free
+    }
+
+    /// Size of the excitation of each surface, 0 to 1.
+    pub fn excitation_level(&self) -> [f64; SURFACES] {
+        self.excitation.as_ref().map_or([0.0; SURFACES], Excitation::level)
+    }
+
+    /// Looks at the surfaces and the estimate, and changes gains where that is better.
+    pub fn decide(&mut self, told: &Told<'_>) -> Vec<Decision> {
+        let mut decisions = Vec::new();
+        let sample_time = self.law.settings().sample_time;
+        self.recent.update(&told.measured.variables, &told.measured.surfaces, sample_time);
+        let mut lost = false;
+        if let Some(followers) = &mut self.followers {
+            for (j, follower) in followers.iter_mut().enumerate() {
+                let before = follower.found();
+                let (command, position) = (told.commands[j], told.measured.surfaces[j]);
+                let found = follower.update(command, self.probe[j], position, sample_time);
+                if found != before {
+                    decisions.push(Decision::Surface(j, found));
+                    lost |= self.free[j] && !found.can_be_used();
+                    self.free[j] &= found.can_be_used();
+                }
+            }
+            let limits = self.law.settings().rate_limits;
+            let slowed = std::array::from_fn(|j| match followers[j].found() {
+                Following::Slow => limits[j].min(followers[j].fastest().max(0.02)),
+                _ => limits[j],
+            });
+            if slowed != limits {
+                self.law.set_rate_limits(slowed);
+            }
+        }
+        let due = told.time_s >= self.next_s;
+        if !(due || lost) {
+            return decisions;
+        }
+        self.next_s = told.time_s + EVERY;
+        let now = *self.law.gains();
+        if let Some(estimate) = told.estimate
+            && let Some(new) = Gains::place_with(&estimate.model, &self.targets, self.free)
+        {
+            let is_better = told.is_truth
+                || lost
+                || (told.is_settled
+                    && self.recent.explains(&estimate.model, FLOOR)
+                    && self.recent.prefers(&modelled(&now), &estimate.model)
+                    && is_better(estimate, &now, &new));
+            if is_better && self.law.change_gains(new) {
+                decisions.push(Decision::NewGains);
+            }
+        } else if lost {
+            // Nothing new is known of the aircraft: the same motion with the surfaces that are left.
+            let model = modelled(&now);
+            if let Some(new) = Gains::place_with(&model, &self.targets, self.free).map(|new| keep(&now, new)) {
+                self.law.change_gains(new);
+                decisions.push(Decision::NewGains);
+            }
+        }
+        decisions
+    }
+
+    /// What is added to the commands so that the estimate becomes better, rad.
+    pub fn excite(&mut self, told: &Told<'_>, load_factor: f64) -> [f64; SURFACES] {
+        let settings = *self.law.settings();
+        let Some(excitation) = &mut self.excitation else { return [0.0; SURFACES] };
+        let variables = told.measured.variables;
+        let mut width = told.estimate.map_or([f64::NAN; SURFACES], |estimate| widths(estimate, self.free));
+        // Whether a surface still answers is told by moving it.
+        for (width, follower) in width.iter_mut().zip(self.followers.iter().flatten()) {
+            if follower.is_in_doubt() {
+                *width = 2.0;
+            }
+        }
+        let now = Now {
+            width,
+            load_factor: load_factor - 1.0,
+            alpha: variables[0] - settings.reference[0],
+            beta: variables[1],
+        };
+        self.probe = excitation.update(&now, settings.sample_time);
+        self.probe
+    }
+}
+
+/// Whether the bounds support new gains: the worst motion gets better, or the flying qualities do and the worst motion stays.
+fn is_better(estimate: &Estimate, now: &Gains, new: &Gains) -> bool {
+    let level = |gains: &Gains| {
+        let matrix = estimate.model.closed_loop(&gains.feedback());
+        qualities(&matrix, estimate.model.load_factor_per_alpha(), Category::B).level()
+    };
+    supports(estimate, now, new, WORTH) || (level(new) < level(now) && allows(estimate, now, new, 0.5 * WORTH))
+}
+
+/// By how much the bounds of what each surface has to tell are too wide: two standard errors of the main effect of the surface
+/// against a quarter of it, and of stability and damping of its axis against what the closed loop is to have.
+fn widths(estimate: &Estimate, free: [bool; SURFACES]) -> [f64; SURFACES] {
+    let (model, error) = (&estimate.model, &estimate.std_error);
+    // Axis of each surface, and the feedback variables of that axis: pitch by alpha and q, roll by p, yaw by beta and r.
+    const AXIS: [usize; SURFACES] = [1, 0, 2];
+    const VARIABLES: [&[usize]; SURFACES] = [&[0, 3], &[2], &[1, 4]];
+    // What a change of each of these by one unit of the closed loop is: 1/s^2 for angles, 1/s for rates.
+    const UNIT: [f64; 5] = [2.0, 2.0, 1.0, 0.8, 0.8];
+    std::array::from_fn(|j| {
+        if !free[j] {
+            return 0.0;
+        }
+        let axis = AXIS[j];
+        let effect = 2.0 * error.surfaces[axis][j] / (0.25 * model.surfaces[axis][j].abs().max(1.0));
+        VARIABLES[j].iter().map(|v| 2.0 * error.rates[axis][*v] / UNIT[*v]).fold(effect, f64::max)
+    })
+}
+
+/// The model that gains were made for, as far as they tell it.
+fn modelled(gains: &Gains) -> LocalModel {
+    LocalModel {
+        rates: std::array::from_fn(|i| std::array::from_fn(|j| gains.wanted[i][j] - gains.added[i][j])),
+        surfaces: gains.surfaces,
+        constant: gains.constant,
+        alpha_by_alpha: gains.lift,
+        beta_by_beta: -0.3,
+        speed: 1.0,
+        gravity: 1.0,
+        ..LocalModel::default()
+    }
+}
+
+/// `new` with the wanted motion of `now`.
+fn keep(now: &Gains, new: Gains) -> Gains {
+    Gains { wanted: now.wanted, added: now.added, ..new }
+}

@@ -1,0 +1,491 @@
+//! One flight in closed loop: the aircraft of a scenario with its damage, its sensors, an estimator, and a control law.
+
+use phugoid_control::excitation::Settings as ExcitationSettings;
+use phugoid_control::following::Follower;
+use phugoid_control::gains::Gains;
+use phugoid_control::interval::Estimate;
+use phugoid_control::law::{Form, Law, Measured, Settings as LawSettings};
+use phugoid_control::local::SURFACES;
+use phugoid_control::target::Targets;
+use phugoid_estimators::ChangeState;
+use phugoid_flight_dynamics::aircraft::{Aircraft, Controls};
+use phugoid_flight_dynamics::sensors::SensorError;
+use phugoid_flight_dynamics::trim::Trim;
+use phugoid_identification::error::EstimateError;
+use phugoid_identification::estimate::EstimateOptions;
+use phugoid_identification::estimation::EventKind;
+use phugoid_identification::method::Method;
+use phugoid_identification::model_file::ModelFile;
+use phugoid_identification::session::{Session, Step};
+use phugoid_simulation::course::Course;
+use phugoid_simulation::flight::{FlightError, trimmed_aircraft};
+use phugoid_simulation::scenario::{Scenario, ScenarioError};
+use serde::{Deserialize, Serialize};
+
+use crate::controller::{Controller, Decision, NAMES, Told};
+use crate::known::{Increment, estimate, local_model};
+use crate::outcome::{Left, Outcome, judge, left};
+use crate::pilot::Pilot;
+use crate::robust::robust_gains;
+use crate::sensing::{Reading, Sensors};
+
+/// Where the gains come from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Control {
+    /// From the estimate of the aircraft in flight and its bounds.
+    #[default]
+    Adaptive,
+    /// From the undamaged aircraft.
+    Fixed,
+    /// Fixed, and chosen for a set of damages.
+    Robust,
+    /// From the true aircraft: what could be reached at best.
+    Oracle,
+}
+
+impl Control {
+    /// All, in the order of tables.
+    pub const ALL: [Self; 4] = [Self::Fixed, Self::Robust, Self::Adaptive, Self::Oracle];
+
+    /// Its word, as on the command line.
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::Adaptive => "adaptive",
+            Self::Fixed => "fixed",
+            Self::Robust => "robust",
+            Self::Oracle => "oracle",
+        }
+    }
+}
+
+/// Settings of a flight.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// Where the gains come from.
+    pub control: Control,
+    /// The form of the law.
+    pub form: Form,
+    /// The wanted motion.
+    pub targets: Targets,
+    /// The excitation that the adaptive control may add; `None` leaves the pilot's input alone.
+    pub excitation: Option<ExcitationSettings>,
+    /// The causal method of the estimator; `None` takes that of the model file.
+    pub method: Option<Method>,
+}
+
+impl Default for Settings {
+    /// Adaptive control with excitation, the law in the form of the model, the default targets.
+    fn default() -> Self {
+        Self {
+            control: Control::Adaptive,
+            form: Form::Model,
+            targets: Targets::default(),
+            excitation: Some(ExcitationSettings::default()),
+            method: Some(Method::Ekf),
+        }
+    }
+}
+
+/// Something that happened.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Event {
+    /// When, s.
+    pub time_s: f64,
+    /// What.
+    pub kind: Kind,
+    /// In words.
+    pub text: String,
+}
+
+/// What an event is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Kind {
+    /// Damage or a failure of the scenario.
+    Damage,
+    /// The estimator suspects a change.
+    InDoubt,
+    /// The estimator adopted a change.
+    Adopted,
+    /// A suspected change was dropped, or an adopted one taken back.
+    Withdrawn,
+    /// A surface no longer does what it is told.
+    Surface,
+    /// New gains.
+    NewGains,
+    /// The motion left what the aircraft's data cover, or turned over.
+    Departed,
+}
+
+/// What was flown, one entry per sample. SI and radians.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct History {
+    /// Time, s.
+    pub time_s: Vec<f64>,
+    /// True angle of attack, rad.
+    pub alpha: Vec<f64>,
+    /// True sideslip, rad.
+    pub beta: Vec<f64>,
+    /// True bank angle, rad.
+    pub phi: Vec<f64>,
+    /// True pitch angle, rad.
+    pub theta: Vec<f64>,
+    /// True body rates, rad/s.
+    pub rates: [Vec<f64>; 3],
+    /// Altitude, m.
+    pub altitude: Vec<f64>,
+    /// True airspeed, m/s.
+    pub speed: Vec<f64>,
+    /// Normal load factor, g.
+    pub load_factor: Vec<f64>,
+    /// Commands to elevator, aileron and rudder, rad.
+    pub commands: [Vec<f64>; 3],
+    /// True positions, rad.
+    pub surfaces: [Vec<f64>; 3],
+    /// Size of the excitation of each surface, 0 to 1.
+    pub excitation: [Vec<f64>; 3],
+}
+
+/// A flight and what became of it.
+#[derive(Clone, Debug, Serialize)]
+pub struct RecoveryFlight {
+    /// Name of the scenario.
+    pub scenario: String,
+    /// Where the gains came from.
+    pub control: Control,
+    /// Everything that happened, in order of time.
+    pub events: Vec<Event>,
+    /// The samples.
+    pub history: History,
+    /// How it ended.
+    pub outcome: Outcome,
+    /// What the last estimate says is left, with the control that has one.
+    pub left: Option<Left>,
+    /// What is left in truth; its bounds are zero.
+    pub truly_left: Left,
+    /// The last estimate, with the control that has one.
+    pub estimate: Option<Estimate>,
+    /// The true aircraft at the end, about the attitude of the trim.
+    pub truth: Estimate,
+}
+
+/// Why a flight could not be made.
+#[derive(Debug, thiserror::Error)]
+pub enum RecoveryError {
+    /// The scenario cannot be flown.
+    #[error(transparent)]
+    Flight(#[from] FlightError),
+    /// Something in the scenario is wrong.
+    #[error(transparent)]
+    Scenario(#[from] ScenarioError),
+    /// A sensor cannot be.
+    #[error("a sensor of the scenario: {0}")]
+    Sensor(#[from] SensorError),
+    /// The estimator cannot be set up, or cannot go on.
+    #[error(transparent)]
+    Estimate(#[from] EstimateError),
+    /// No gains for the undamaged aircraft.
+    #[error("no gains can be placed for the undamaged aircraft: its linear model has numbers that are not finite")]
+    NoGains,
+    /// Parts of a scenario that a flight in closed loop does not have.
+    #[error("{0}")]
+    Unsuitable(String),
+}
+
+/// Flies a scenario in closed loop. `model` is what the adaptive control estimates with: increments to the scenario's aircraft.
+///
+/// # Errors
+/// [`RecoveryError`]: a scenario that cannot be flown in closed loop, a model that does not fit it.
+pub fn fly(scenario: &Scenario, settings: &Settings, model: &ModelFile) -> Result<RecoveryFlight, RecoveryError> {
+    let scenario = scenario.drawn();
+    if scenario.aircraft.thrust == phugoid_simulation::scenario::Thrust::Constant {
+        return Err(RecoveryError::Unsuitable(format!(
+            "{}: the pilot of a flight in closed loop moves the throttle: give `thrust = \"engine\"` under [aircraft]",
+            scenario.name
+        )));
+    }
+    if scenario.model_error != Default::default() {
+        return Err(RecoveryError::Unsuitable(format!(
+            "{}: [model_error] is not flown in closed loop: say what differs under [increments] or [[damage]]",
+            scenario.name
+        )));
+    }
+    let (aircraft, trim) = trimmed_aircraft(&scenario)?;
+    Loop::new(&scenario, aircraft.as_ref(), trim, settings, model)?.run()
+}
+
+/// Gains for the undamaged aircraft in its trim.
+pub(crate) fn healthy_gains<A: Aircraft>(aircraft: &A, trim: &Trim, targets: &Targets) -> Result<Gains, RecoveryError> {
+    let known = estimate(aircraft, trim, &[], trim.speed_m_s, trim.altitude_m);
+    Gains::place(&known.model, targets).ok_or(RecoveryError::NoGains)
+}
+
+struct Loop<'a, A> {
+    scenario: &'a Scenario,
+    aircraft: &'a A,
+    trim: Trim,
+    settings: Settings,
+    course: Course<'a, A>,
+    sensors: Sensors,
+    pilot: Pilot,
+    controller: Controller,
+    session: Option<Session>,
+    estimate: Option<Estimate>,
+    history: History,
+    events: Vec<Event>,
+    /// Airspeed and altitude as measured last.
+    flown: [f64; 2],
+    /// Whether the estimator suspects a change, and when it last gave a suspicion up, s.
+    in_doubt: bool,
+    dropped_s: f64,
+    departed: bool,
+}
+
+impl<'a, A: Aircraft> Loop<'a, A> {
+    fn new(
+        scenario: &'a Scenario,
+        aircraft: &'a A,
+        trim: Trim,
+        settings: &Settings,
+        model: &ModelFile,
+    ) -> Result<Self, RecoveryError> {
+        let gains = match settings.control {
+            // What is not known yet is flown with the gains that hold for the most.
+            Control::Robust | Control::Adaptive => robust_gains(aircraft, &trim, &settings.targets)?,
+            _ => healthy_gains(aircraft, &trim, &settings.targets)?,
+        };
+        let controls = trim.controls();
+        let actuators = aircraft.actuators();
+        let each = [actuators.elevator, actuators.aileron, actuators.rudder];
+        let law = LawSettings {
+            form: settings.form,
+            ..LawSettings::new(
+                1.0 / scenario.sample_rate.si(),
+                [trim.alpha_rad, trim.beta_rad, 0.0, 0.0, 0.0],
+                [controls.elevator, controls.aileron, controls.rudder],
+                each.map(|actuator| [-actuator.limit, actuator.limit]),
+                each.map(|actuator| actuator.rate_limit),
+            )
+        };
+        let learns = settings.control == Control::Adaptive;
+        let followers = (learns && scenario.aircraft.actuators)
+            .then(|| each.map(|actuator| Follower::new(actuator.lag, actuator.rate_limit, 0.7_f64.to_radians())));
+        let excitation = settings.excitation.filter(|_| learns);
+        let options = EstimateOptions { method: settings.method, ..EstimateOptions::default() };
+        let session = if learns { Some(Session::new(model, &options)?) } else { None };
+        Ok(Self {
+            scenario,
+            aircraft,
+            trim,
+            settings: *settings,
+            course: Course::new(scenario, aircraft, None, &trim)?,
+            sensors: Sensors::new(scenario)?,
+            pilot: Pilot::new(scenario, &trim, aircraft.gravity())?,
+            controller: Controller::new(Law::new(law, gains), settings.targets, followers, excitation),
+            session,
+            estimate: None,
+            history: History::default(),
+            events: scenario_events(scenario),
+            flown: [trim.speed_m_s, trim.altitude_m],
+            in_doubt: false,
+            dropped_s: f64::NEG_INFINITY,
+            departed: false,
+        })
+    }
+
+    fn run(mut self) -> Result<RecoveryFlight, RecoveryError> {
+        let mut controls = self.trim.controls();
+        for k in 0..self.scenario.samples() {
+            // What the sensors show at the beginning of a sample belongs to the commands of the one before.
+            let sample = self.course.sample(controls);
+            let reading = self.sensors.read(&sample)?;
+            self.learn(sample.time, &reading)?;
+            let commands = self.command(k, sample.time, &reading, &controls);
+            self.record(&sample, &commands);
+            controls = commands;
+            if self.has_departed(&sample.state) {
+                self.event(sample.time, Kind::Departed, "the aircraft departed".to_owned());
+                self.departed = true;
+                break;
+            }
+            if k + 1 < self.scenario.samples() && self.course.advance(controls).is_err() {
+                self.event(sample.time, Kind::Departed, "the motion diverged".to_owned());
+                self.departed = true;
+                break;
+            }
+        }
+        self.events.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
+        let truth = self.truth();
+        let gains = *self.controller.gains();
+        let outcome = judge(&self.history, self.departed, &self.trim, &truth, &gains);
+        let law = *self.controller.law().settings();
+        let left = |estimate: &Estimate| left(estimate, &gains, &law.surfaces, &law.limits);
+        Ok(RecoveryFlight {
+            scenario: self.scenario.name.clone(),
+            control: self.settings.control,
+            events: self.events,
+            history: self.history,
+            outcome,
+            left: self.estimate.as_ref().map(left),
+            truly_left: left(&truth),
+            estimate: self.estimate,
+            truth,
+        })
+    }
+
+    /// Gives the estimator its sample and takes what it says.
+    fn learn(&mut self, time: f64, reading: &Reading) -> Result<(), RecoveryError> {
+        for (flown, name) in self.flown.iter_mut().zip(["true_airspeed", "altitude"]) {
+            let now = reading.channel(name);
+            // The air's own motion is not the aircraft's.
+            if now.is_finite() {
+                *flown += 0.01 * (now - *flown);
+            }
+        }
+        let Some(session) = &mut self.session else { return Ok(()) };
+        let values: Vec<f64> = session.channels().iter().map(|name| reading.channel(name)).collect();
+        let step = session.update(time, &values)?;
+        let events = session.take_events();
+        if step == Step::Estimated
+            && let Some(snapshot) = session.snapshot()
+        {
+            let layout = &session.layout().parameters;
+            let increments: Vec<Increment> = layout
+                .iter()
+                .zip(&snapshot.parameters)
+                .map(|(layout, parameter)| Increment {
+                    name: layout.name.clone(),
+                    value: parameter.value,
+                    std_error: parameter.std_error,
+                })
+                .collect();
+            let [speed, altitude] = self.flown;
+            self.in_doubt = snapshot.change == ChangeState::InDoubt;
+            // Linearising is the dearest part of a frame; the controller decides five times a second.
+            let every = (0.1 * self.scenario.sample_rate.si()).max(1.0) as usize;
+            if self.history.time_s.len() % every == 0 {
+                self.estimate = Some(estimate(self.aircraft, &self.trim, &increments, speed, altitude));
+            }
+        }
+        for event in events {
+            if event.kind == EventKind::DoubtDropped {
+                self.dropped_s = event.time_s;
+            }
+            let (kind, text) = match event.kind {
+                EventKind::InDoubt => (Kind::InDoubt, "a change of the aircraft is suspected"),
+                EventKind::Adopted => (Kind::Adopted, "the change is adopted: new estimates"),
+                EventKind::DoubtDropped => (Kind::Withdrawn, "the suspected change was none"),
+                EventKind::RolledBack => (Kind::Withdrawn, "the adopted change was taken back"),
+                _ => continue,
+            };
+            self.event(event.time_s, kind, text.to_owned());
+        }
+        Ok(())
+    }
+
+    fn command(&mut self, k: usize, time: f64, reading: &Reading, before: &Controls) -> Controls {
+        let wish = self.pilot.fly(k, reading);
+        let channels = ["alpha", "beta", "p", "q", "r"].map(|name| reading.channel(name));
+        let surfaces = NAMES.map(|name| reading.channel(name));
+        let measured = Measured { variables: channels, surfaces };
+        let truth = (self.settings.control == Control::Oracle).then(|| self.truth());
+        let told = Told {
+            time_s: time,
+            measured,
+            commands: [before.elevator, before.aileron, before.rudder],
+            estimate: truth.as_ref().or(self.estimate.as_ref()),
+            is_truth: truth.is_some(),
+            // A suspicion that was just given up may come back: what was estimated meanwhile is of two aircraft.
+            is_settled: !self.in_doubt && time > self.dropped_s + 1.0,
+        };
+        for decision in self.controller.decide(&told) {
+            // The oracle's gains follow the truth all the time.
+            let (kind, text) = match decision {
+                Decision::NewGains if told.is_truth => continue,
+                Decision::NewGains => (Kind::NewGains, "new gains, because the bounds support them".to_owned()),
+                Decision::Surface(j, found) => {
+                    let word = format!("{found:?}").to_lowercase();
+                    (Kind::Surface, format!("the {} does not follow its command: {word}", NAMES[j]))
+                }
+            };
+            self.events.push(Event { time_s: time, kind, text });
+        }
+        let load_factor = -reading.channel("az") / self.aircraft.gravity();
+        let added = self.controller.excite(&told, load_factor);
+        let commands = self.controller.law().update(&measured, &wish.demand);
+        let [elevator, aileron, rudder]: [f64; SURFACES] = std::array::from_fn(|j| commands[j] + added[j]);
+        Controls { throttle: wish.throttle, elevator, aileron, rudder }
+    }
+
+    /// The true aircraft about the trim's attitude, at its own speed and altitude.
+    fn truth(&self) -> Estimate {
+        let state = self.course.state();
+        let reference = phugoid_flight_dynamics::aircraft::State {
+            speed: state.speed,
+            altitude: state.altitude,
+            power: state.power,
+            ..self.trim.state()
+        };
+        let linear = self.course.linear_model(&reference, &self.trim.controls());
+        let mut model = local_model(&linear, self.trim.alpha_rad, state.speed, self.aircraft.gravity());
+        for (j, left) in self.course.obeys().into_iter().enumerate() {
+            if !left {
+                model.surfaces.iter_mut().for_each(|row| row[j] = 0.0);
+            }
+        }
+        Estimate { model, ..Estimate::default() }
+    }
+
+    fn has_departed(&self, state: &phugoid_flight_dynamics::aircraft::State) -> bool {
+        let range = self.aircraft.data_range();
+        let outside = |value: f64, [low, high]: [f64; 2]| !(low..=high).contains(&value);
+        state.phi.abs() > std::f64::consts::FRAC_PI_2
+            || state.theta.abs() > 1.05
+            || outside(state.alpha, range.alpha)
+            || outside(state.beta, range.beta)
+            || state.altitude < 0.0
+    }
+
+    fn event(&mut self, time_s: f64, kind: Kind, text: String) {
+        self.events.push(Event { time_s, kind, text });
+    }
+
+    fn record(&mut self, sample: &phugoid_flight_dynamics::simulate::TrajectorySample, commands: &Controls) {
+        let (h, s) = (&mut self.history, &sample.state);
+        h.time_s.push(sample.time);
+        h.alpha.push(sample.air.alpha);
+        h.beta.push(sample.air.beta);
+        h.phi.push(s.phi);
+        h.theta.push(s.theta);
+        for (rates, rate) in h.rates.iter_mut().zip([s.p, s.q, s.r]) {
+            rates.push(rate);
+        }
+        h.altitude.push(s.altitude);
+        h.speed.push(s.speed);
+        h.load_factor.push(-sample.specific_force[2] / self.aircraft.gravity());
+        let told = [commands.elevator, commands.aileron, commands.rudder];
+        let there = [sample.surfaces.elevator, sample.surfaces.aileron, sample.surfaces.rudder];
+        let level = self.controller.excitation_level();
+        for j in 0..SURFACES {
+            h.commands[j].push(told[j]);
+            h.surfaces[j].push(there[j]);
+            h.excitation[j].push(level[j]);
+        }
+    }
+}
+
+fn scenario_events(scenario: &Scenario) -> Vec<Event> {
+    // What differs from the start is no event: the aircraft took off with it.
+    let damage = scenario.damage.iter().filter(|damage| damage.at.si() > 0.0).map(|damage| Event {
+        time_s: damage.at.si(),
+        kind: Kind::Damage,
+        text: "damage".to_owned(),
+    });
+    let failures = scenario.failure.iter().map(|failure| Event {
+        time_s: failure.at.si(),
+        kind: Kind::Damage,
+        text: format!("failure of the {}", failure.surface.name()),
+    });
+    damage.chain(failures).collect()
+}

@@ -1,0 +1,13 @@
+#![doc = include_str!("../README.md")]
+#![cfg_attr(not(test), deny(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
+
+pub mod controller;
+pub mod draw;
+pub mod flight;
+pub mod known;
+pub mod outcome;
+pub mod page;
+pub mod pilot;
+mod robust;
+pub mod sensing;
+pub mod study;

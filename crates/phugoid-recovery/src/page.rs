@@ -1,0 +1,189 @@
+//! The flight as a story: tables and charts, without a word on how they are drawn.
+
+use std::sync::Arc;
+
+use phugoid_evaluation::chart::{Axis, Chart, Content, Curve, Level as Line, Meaning, Panel, Shape};
+use phugoid_evaluation::table::{Cell, Column, Table};
+
+use crate::controller::NAMES;
+use crate::flight::{Kind, RecoveryFlight};
+
+/// A section of the page.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Section {
+    /// Anchor, unique in the page.
+    pub anchor: &'static str,
+    /// Heading.
+    pub heading: &'static str,
+    /// Paragraphs.
+    pub paragraphs: Vec<String>,
+    /// Tables below the paragraphs.
+    pub tables: Vec<Table>,
+    /// Charts below the tables.
+    pub charts: Vec<Chart>,
+}
+
+/// The sections of a flight's page, in order.
+pub fn page(flight: &RecoveryFlight) -> Vec<Section> {
+    let mut sections = vec![story(flight), motion(flight), surfaces(flight)];
+    sections.extend(left(flight));
+    sections
+}
+
+fn story(flight: &RecoveryFlight) -> Section {
+    let rows = flight.events.iter().map(|event| vec![Cell::from(event.time_s), Cell::from(event.text.as_str())]);
+    Section {
+        anchor: "story",
+        heading: "What happened",
+        paragraphs: Vec::new(),
+        tables: vec![Table {
+            title: "Events".to_owned(),
+            columns: vec![Column::new("Time", "s"), Column::new("Event", "")],
+            rows: rows.collect(),
+        }],
+        charts: Vec::new(),
+    }
+}
+
+struct Plot {
+    time: Arc<[f64]>,
+    instants: Vec<Line>,
+}
+
+impl Plot {
+    fn of(flight: &RecoveryFlight) -> Self {
+        let first = |kind: Kind| flight.events.iter().find(|event| event.kind == kind).map(|event| event.time_s);
+        let damage = first(Kind::Damage).map(|at| Line::new("damage", at, Meaning::Truth));
+        let after = |at: &f64| first(Kind::Damage).is_none_or(|damage| *at >= damage);
+        let gains = flight.events.iter().filter(|event| event.kind == Kind::NewGains).map(|event| event.time_s);
+        let gains = gains.filter(after).take(1).map(|at| Line::new("first new gains", at, Meaning::Flagship)).next();
+        Self { time: Arc::from(flight.history.time_s.as_slice()), instants: damage.into_iter().chain(gains).collect() }
+    }
+
+    fn panel(&self, label: &str, unit: &str, curves: &[(&str, Meaning, &[f64], f64)]) -> Panel {
+        let curve = |(name, meaning, values, scale): &(&str, Meaning, &[f64], f64)| Curve {
+            label: (*name).to_owned(),
+            meaning: *meaning,
+            x: Arc::clone(&self.time),
+            shape: Shape::Line(values.iter().map(|value| value * scale).collect()),
+        };
+        Panel {
+            y: Axis::new(label, unit),
+            content: Content::Curves {
+                curves: curves.iter().map(curve).collect(),
+                levels: Vec::new(),
+                instants: self.instants.clone(),
+            },
+        }
+    }
+}
+
+const DEGREES: f64 = 180.0 / std::f64::consts::PI;
+
+fn motion(flight: &RecoveryFlight) -> Section {
+    let (plot, h) = (Plot::of(flight), &flight.history);
+    let one = |label: &str, unit: &str, values: &[f64], scale: f64| {
+        plot.panel(label, unit, &[("", Meaning::Truth, values, scale)])
+    };
+    let panels = vec![
+        one("Angle of attack", "deg", &h.alpha, DEGREES),
+        one("Sideslip", "deg", &h.beta, DEGREES),
+        one("Bank angle", "deg", &h.phi, DEGREES),
+        one("Pitch angle", "deg", &h.theta, DEGREES),
+        one("Normal load factor", "g", &h.load_factor, 1.0),
+        one("Altitude", "m", &h.altitude, 1.0),
+    ];
+    Section {
+        anchor: "motion",
+        heading: "How it flew",
+        paragraphs: Vec::new(),
+        tables: Vec::new(),
+        charts: vec![Chart {
+            name: "motion".to_owned(),
+            title: "True motion".to_owned(),
+            caption: String::new(),
+            x: Axis::new("Time", "s"),
+            panels,
+            columns: 2,
+        }],
+    }
+}
+
+fn surfaces(flight: &RecoveryFlight) -> Section {
+    let (plot, h) = (Plot::of(flight), &flight.history);
+    let mut panels: Vec<Panel> = NAMES
+        .iter()
+        .enumerate()
+        .map(|(j, name)| {
+            let label = format!("{}{}", name[..1].to_uppercase(), &name[1..]);
+            plot.panel(
+                &label,
+                "deg",
+                &[
+                    ("command", Meaning::Command, &h.commands[j], DEGREES),
+                    ("position", Meaning::Truth, &h.surfaces[j], DEGREES),
+                ],
+            )
+        })
+        .collect();
+    panels.push(plot.panel(
+        "Size of the added input",
+        "\u{2013}",
+        &[
+            ("elevator", Meaning::Method(0), &h.excitation[0], 1.0),
+            ("aileron", Meaning::Method(1), &h.excitation[1], 1.0),
+            ("rudder", Meaning::Method(2), &h.excitation[2], 1.0),
+        ],
+    ));
+    Section {
+        anchor: "surfaces",
+        heading: "What the surfaces did",
+        paragraphs: Vec::new(),
+        tables: Vec::new(),
+        charts: vec![Chart {
+            name: "surfaces".to_owned(),
+            title: "Surfaces".to_owned(),
+            caption: "The added input is what the control moves the surfaces by so that the estimate becomes better: 1 is all \
+                      of it, half a degree of elevator and one of aileron and rudder (root mean square)."
+                .to_owned(),
+            x: Axis::new("Time", "s"),
+            panels,
+            columns: 2,
+        }],
+    }
+}
+
+fn left(flight: &RecoveryFlight) -> Option<Section> {
+    let left = flight.left.as_ref()?;
+    let rows = NAMES.iter().zip(&left.margins).zip(&flight.truly_left.margins).map(|((name, margin), truth)| {
+        vec![
+            Cell::from(*name),
+            Cell::from(margin.trim * DEGREES),
+            Cell::from(2.0 * margin.std_error * DEGREES),
+            Cell::from(100.0 * margin.left),
+            Cell::from(100.0 * margin.at_least),
+            Cell::from(100.0 * truth.left),
+        ]
+    });
+    Some(Section {
+        anchor: "left",
+        heading: "What the estimate says is left",
+        paragraphs: vec![
+            "What steady flight takes of each surface, and the way from there to the nearer limit as a part of half the range."
+                .to_owned(),
+        ],
+        tables: vec![Table {
+            title: "Control margins".to_owned(),
+            columns: vec![
+                Column::new("Surface", ""),
+                Column::new("Takes", "deg"),
+                Column::new("\u{b1} 2 sigma", "deg"),
+                Column::new("Left", "%"),
+                Column::new("At least", "%"),
+                Column::new("True", "%"),
+            ],
+            rows: rows.collect(),
+        }],
+        charts: Vec::new(),
+    })
+}

@@ -1,0 +1,64 @@
+//! Fixed gains for everything that may happen: chosen among many for the best worst motion over a set of damages.
+
+use phugoid_control::gains::Gains;
+use phugoid_control::interval::{excess, most_robust};
+use phugoid_control::local::LocalModel;
+use phugoid_control::target::Targets;
+use phugoid_flight_dynamics::aircraft::Aircraft;
+use phugoid_flight_dynamics::trim::Trim;
+
+use crate::flight::RecoveryError;
+use crate::known::estimate;
+
+/// What is left of the effect of a surface, of stability and of damping, over the set of damages.
+const SURFACE: [f64; 3] = [1.0, 0.7, 0.45];
+const STABILITY: [f64; 3] = [1.0, 0.5, -0.5];
+const DAMPING: [f64; 2] = [1.0, 0.5];
+
+/// The most robust gains for an aircraft: candidates are the placements for each damaged model with several targets.
+pub(crate) fn robust_gains<A: Aircraft>(aircraft: &A, trim: &Trim, targets: &Targets) -> Result<Gains, RecoveryError> {
+    let healthy = estimate(aircraft, trim, &[], trim.speed_m_s, trim.altitude_m).model;
+    let mut models = Vec::new();
+    for surface in SURFACE {
+        for stability in STABILITY {
+            for damping in DAMPING {
+                models.push(damaged(&healthy, surface, stability, damping));
+            }
+        }
+    }
+    let mut candidates = Vec::new();
+    for model in &models {
+        for faster in [0.7, 1.0, 1.4] {
+            for damping in [0.8, 1.2] {
+                let wanted = Targets {
+                    short_period_range: targets.short_period_range.map(|f| f * faster),
+                    control_anticipation: targets.control_anticipation * faster * faster,
+                    short_period_damping: damping,
+                    dutch_roll_frequency: targets.dutch_roll_frequency * faster,
+                    dutch_roll_damping: 0.6 * damping,
+                    ..*targets
+                };
+                candidates.extend(Gains::place(model, &wanted));
+            }
+        }
+    }
+    // Only what gains of its own would hold can be asked of fixed ones.
+    let feasible: Vec<LocalModel> = models
+        .into_iter()
+        .filter(|model| Gains::place(model, targets).is_some_and(|own| excess(model, &own).largest() < 0.0))
+        .collect();
+    most_robust(feasible.iter(), candidates.into_iter()).ok_or(RecoveryError::NoGains)
+}
+
+fn damaged(healthy: &LocalModel, surface: f64, stability: f64, damping: f64) -> LocalModel {
+    let mut model = *healthy;
+    model.surfaces.iter_mut().flatten().for_each(|b| *b *= surface);
+    // Where the aircraft is unstable already, it loses as much as the lift makes in a second squared.
+    let pitch = healthy.rates[1][0];
+    model.rates[1][0] = if pitch < 0.0 { pitch * stability } else { pitch + 4.0 * (1.0 - stability) };
+    model.rates[2][1] *= stability.max(0.2);
+    model.rates[1][3] *= damping;
+    model.rates[2][4] *= damping;
+    model.rates[0][2] *= damping;
+    model
+}
