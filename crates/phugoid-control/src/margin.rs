@@ -20,12 +20,14 @@ pub struct Margin {
 }
 
 /// What is left of elevator, aileron and rudder, with the surfaces at `surfaces` (rad) in the reference and limits in rad. Deflections
-/// of a surface that does nothing are those of the reference.
+/// of a surface that does nothing are those of the reference. `scale` is one standard deviation of the scale of recorded positions, a
+/// part: it moves the true position with the position itself.
 pub fn margins(
     estimate: &Estimate,
     gains: &Gains,
     surfaces: &[f64; SURFACES],
     limits: &[[f64; 2]; SURFACES],
+    scale: f64,
 ) -> [Margin; SURFACES] {
     core::array::from_fn(|j| {
         let trim = surfaces[j] - (0..AXES).map(|i| gains.inverse[j][i] * estimate.model.constant[i]).sum::<f64>();
@@ -34,7 +36,8 @@ pub fn margins(
                 let part = gains.inverse[j][i] * estimate.std_error.constant[i];
                 part * part
             })
-            .sum();
+            .sum::<f64>()
+            + (scale * trim) * (scale * trim);
         let std_error = libm::sqrt(variance);
         let [lowest, highest] = limits[j];
         let half = 0.5 * (highest - lowest);
@@ -58,7 +61,7 @@ mod tests {
         let std_error = LocalModel { constant: [0.0, 0.22, 0.0], ..LocalModel::default() };
         let gains = Gains::place(&model, &Targets::default()).unwrap();
         let limits = [[-0.4, 0.4]; 3];
-        let found = margins(&Estimate { model, std_error }, &gains, &[0.0; 3], &limits)[0];
+        let found = margins(&Estimate { model, std_error }, &gains, &[0.0; 3], &limits, 0.0)[0];
         // The price of deflection takes half a thousandth.
         assert!((found.trim + 0.2).abs() < 2e-4 && (found.std_error - 0.02).abs() < 2e-5, "{found:?}");
         assert!((found.left - 0.5).abs() < 1e-3 && (found.at_least - 0.4).abs() < 1e-3, "{found:?}");

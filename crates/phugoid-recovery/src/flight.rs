@@ -23,7 +23,7 @@ use phugoid_simulation::scenario::{Scenario, ScenarioError};
 use serde::{Deserialize, Serialize};
 
 use crate::controller::{Controller, Decision, NAMES, Told};
-use crate::known::{Increment, estimate, local_model};
+use crate::known::{Declared, Increment, estimate, local_model};
 use crate::outcome::{Left, Outcome, judge, left};
 use crate::pilot::Pilot;
 use crate::robust::robust_gains;
@@ -217,7 +217,7 @@ pub fn fly(scenario: &Scenario, settings: &Settings, model: &ModelFile) -> Resul
 
 /// Gains for the undamaged aircraft in its trim.
 pub(crate) fn healthy_gains<A: Aircraft>(aircraft: &A, trim: &Trim, targets: &Targets) -> Result<Gains, RecoveryError> {
-    let known = estimate(aircraft, trim, &[], trim.speed_m_s, trim.altitude_m);
+    let known = estimate(aircraft, trim, &[], &Declared::UNSTATED, trim.speed_m_s, trim.altitude_m);
     Gains::place(&known.model, targets).ok_or(RecoveryError::NoGains)
 }
 
@@ -320,7 +320,8 @@ impl<'a, A: Aircraft> Loop<'a, A> {
         let gains = *self.controller.gains();
         let outcome = judge(&self.history, self.departed, &self.trim, &truth, &gains);
         let law = *self.controller.law().settings();
-        let left = |estimate: &Estimate| left(estimate, &gains, &law.surfaces, &law.limits);
+        let scale = Declared::UNSTATED.surface_scale;
+        let left = |estimate: &Estimate| left(estimate, &gains, &law.surfaces, &law.limits, scale);
         Ok(RecoveryFlight {
             scenario: self.scenario.name.clone(),
             control: self.settings.control,
@@ -365,7 +366,8 @@ impl<'a, A: Aircraft> Loop<'a, A> {
             // Linearising is the dearest part of a frame; the controller decides five times a second.
             let every = (0.1 * self.scenario.sample_rate.si()).max(1.0) as usize;
             if self.history.time_s.len() % every == 0 {
-                self.estimate = Some(estimate(self.aircraft, &self.trim, &increments, speed, altitude));
+                self.estimate =
+                    Some(estimate(self.aircraft, &self.trim, &increments, &Declared::UNSTATED, speed, altitude));
             }
         }
         for event in events {

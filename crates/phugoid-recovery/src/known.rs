@@ -26,6 +26,22 @@ pub struct Increment {
     pub std_error: f64,
 }
 
+/// Errors that leave no trace in residuals, one standard deviation each.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Declared {
+    /// Scale of angle of attack and sideslip, a part.
+    pub flow_angle_scale: f64,
+    /// Constant error of angle of attack and sideslip, rad. In level flight nothing tells it from a constant force and moment.
+    pub flow_angle_bias: f64,
+    /// Scale of the recorded positions of the surfaces, a part.
+    pub surface_scale: f64,
+}
+
+impl Declared {
+    /// The scales of the class `unstated` of model files (docs/model-file.md), and a tenth of a degree.
+    pub const UNSTATED: Self = Self { flow_angle_scale: 0.03, flow_angle_bias: 0.00175, surface_scale: 0.03 };
+}
+
 /// The local model of a linear one about steady flight at an angle of attack (rad) and airspeed (m/s).
 pub fn local_model(model: &LinearModel, alpha: f64, speed: f64, gravity: f64) -> LocalModel {
     let surface = |row: usize| [model.b[row][ELEVATOR], model.b[row][AILERON], model.b[row][RUDDER]];
@@ -47,7 +63,17 @@ pub fn local_model(model: &LinearModel, alpha: f64, speed: f64, gravity: f64) ->
 /// The estimate of an aircraft that is `known` but for increments about its trim, at the trim's attitude and at the airspeed (m/s)
 /// and altitude (m) that it flies at. Increments whose names are no coefficient with a variable of the motion (biases, `dCD_...`) do not
 /// matter here.
-pub fn estimate<A: Aircraft>(known: &A, trim: &Trim, increments: &[Increment], speed: f64, altitude: f64) -> Estimate {
+///
+/// What is out of trim has the `declared` errors of the reference in its bound: a scale of the vane or of a surface shows the
+/// reference at another place.
+pub fn estimate<A: Aircraft>(
+    known: &A,
+    trim: &Trim,
+    increments: &[Increment],
+    declared: &Declared,
+    speed: f64,
+    altitude: f64,
+) -> Estimate {
     let mut named = Increments::NONE.about(trim.alpha_rad, trim.q_rad_s, trim.elevator_rad);
     for increment in increments {
         if let Some(place) = named.by_name_mut(&increment.name) {
@@ -65,6 +91,14 @@ pub fn estimate<A: Aircraft>(known: &A, trim: &Trim, increments: &[Increment], s
         // Derivatives of the aircraft's own axes are in the linear model already.
         let is_new = Increments::NONE.named().iter().all(|(name, _)| *name != increment.name);
         add(&mut model, &mut variance, &reach, coefficient, variable, increment, is_new);
+    }
+    let surfaces = [controls.elevator, controls.aileron, controls.rudder];
+    for i in 0..AXES {
+        let by_vane = model.rates[i][ALPHA] * declared.flow_angle_scale * trim.alpha_rad;
+        let by_surfaces = surfaces.iter().zip(model.surfaces[i]).map(|(u, effect)| effect * declared.surface_scale * u);
+        let by_bias = declared.flow_angle_bias * model.rates[i][ALPHA].hypot(model.rates[i][BETA]);
+        variance.constant[i] +=
+            by_vane * by_vane + by_bias * by_bias + by_surfaces.map(|part| part * part).sum::<f64>();
     }
     let std_error = LocalModel {
         rates: variance.rates.map(|row| row.map(f64::sqrt)),
@@ -193,7 +227,8 @@ mod tests {
             ("dCn_alpha", -0.02),
         ];
         let increments = named.map(|(name, value)| Increment { name: name.to_owned(), value, std_error: 0.01 });
-        let found = estimate(aircraft.as_ref(), &trim, &increments, trim.speed_m_s, trim.altitude_m);
+        let found =
+            estimate(aircraft.as_ref(), &trim, &increments, &Declared::UNSTATED, trim.speed_m_s, trim.altitude_m);
         for i in 0..AXES {
             for j in 0..VARIABLES {
                 let (found, truth) = (found.model.rates[i][j], truth.rates[i][j]);

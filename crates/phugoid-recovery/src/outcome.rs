@@ -33,8 +33,15 @@ pub struct Left {
     pub margins: [Margin; SURFACES],
 }
 
-/// What an estimate says with these gains; `surfaces` are the positions at the reference and their limits, rad.
-pub fn left(estimate: &Estimate, gains: &Gains, surfaces: &[f64; SURFACES], limits: &[[f64; 2]; SURFACES]) -> Left {
+/// What an estimate says with these gains; `surfaces` are the positions at the reference and their limits, rad, `scale` the standard
+/// deviation of the scale of recorded positions.
+pub fn left(
+    estimate: &Estimate,
+    gains: &Gains,
+    surfaces: &[f64; SURFACES],
+    limits: &[[f64; 2]; SURFACES],
+    scale: f64,
+) -> Left {
     let matrix = estimate.model.closed_loop(&gains.feedback());
     let found = qualities(&matrix, estimate.model.load_factor_per_alpha(), Category::B);
     let own = Gains::place_with(&estimate.model, &Targets::default(), gains.free).unwrap_or(*gains);
@@ -42,7 +49,7 @@ pub fn left(estimate: &Estimate, gains: &Gains, surfaces: &[f64; SURFACES], limi
         level: found.level(),
         qualities: found,
         worst: worst(estimate, gains),
-        margins: margins(estimate, &own, surfaces, limits),
+        margins: margins(estimate, &own, surfaces, limits, scale),
     }
 }
 

@@ -8,7 +8,7 @@ use phugoid_flight_dynamics::aircraft::Aircraft;
 use phugoid_flight_dynamics::trim::Trim;
 
 use crate::flight::RecoveryError;
-use crate::known::estimate;
+use crate::known::{Declared, estimate};
 
 /// What is left of the effect of a surface, of stability and of damping, over the set of damages.
 const SURFACE: [f64; 3] = [1.0, 0.7, 0.45];
@@ -17,7 +17,7 @@ const DAMPING: [f64; 2] = [1.0, 0.5];
 
 /// The most robust gains for an aircraft: candidates are the placements for each damaged model with several targets.
 pub(crate) fn robust_gains<A: Aircraft>(aircraft: &A, trim: &Trim, targets: &Targets) -> Result<Gains, RecoveryError> {
-    let healthy = estimate(aircraft, trim, &[], trim.speed_m_s, trim.altitude_m).model;
+    let healthy = estimate(aircraft, trim, &[], &Declared::UNSTATED, trim.speed_m_s, trim.altitude_m).model;
     let mut models = Vec::new();
     for surface in SURFACE {
         for stability in STABILITY {
