@@ -90,7 +90,7 @@ class Path:
 
     def possible(self, *more):
         solver = z3.SolverFor("QF_BV")
-        solver.set("timeout", 20_000)
+        solver.set("timeout", 60_000)
         solver.add(*self.relevant(more), *more)
         answer = solver.check()
         if answer == z3.unknown:
