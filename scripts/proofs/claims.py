@@ -434,11 +434,11 @@ def ud_measure(image):
         call.check(path, d, u, f"size {n}")
         same(call.array(path, AT[3], 1), [variance], f"size {n}, variance")
         same(call.array(path, AT[4], ROOM), b + [constant(0.0)] * (ROOM - n), f"size {n}, b")
-        signs = Signs(image, at_least_zero=call.d, above_zero=[r])
+        signs = Signs(at_least_zero=call.d, above_zero=[r])
         for j in range(n):
             require(signs.at_least_zero(d[j]), f"size {n}: D[{j}] may become negative: {d[j]}")
         # What has to be assumed for that: with an r of any sign there must be no such proof.
-        careless = Signs(image, at_least_zero=call.d, above_zero=[])
+        careless = Signs(at_least_zero=call.d, above_zero=[])
         require(not n or not careless.at_least_zero(d[-1]), "the signs are proved of whatever there is")
         require(signs.above_zero(variance), f"size {n}: the variance of the innovation may not be positive")
 
@@ -449,7 +449,7 @@ class Signs:
 
     rules = None
 
-    def __init__(self, image, at_least_zero, above_zero):
+    def __init__(self, at_least_zero, above_zero):
         self.not_negative, self.positive = set(at_least_zero), set(above_zero)
         self.known = {}
         if Signs.rules is None:
@@ -524,14 +524,13 @@ def ud_predict(image):
         call = Covariance(image, n)
         flat, q = call.numbers(AT[1], "A", ROOM * ROOM), call.numbers(AT[2], "q", ROOM)
         a = [flat[ROOM * i : ROOM * i + ROOM] for i in range(ROOM)]
-        signs = Signs(image, at_least_zero=call.d + q, above_zero=[])
+        signs = Signs(at_least_zero=call.d + q, above_zero=[])
         paths = call.run("ud_predict", AT[0], AT[1], AT[2])
-        seen = set()
         for path in paths:
             # Thornton's recursion: weighted Gram-Schmidt on the rows of [A U, I] with the weights [D, q].
             left = [[total(a[i][j], dot(call.u[j][:j], a[i][:j])) for j in range(n)] for i in range(n)]
             right = [[constant(1.0 if i == j else 0.0) for j in range(n)] for i in range(n)]
-            d, u, chosen = list(call.d[:n]), [list(column) for column in call.u], []
+            d, u = list(call.d[:n]), [list(column) for column in call.u]
             for j in reversed(range(n)):
                 weighted_left = [product(left[j][k], call.d[k]) for k in range(n)]
                 weighted_right = [product(right[j][k], q[k]) for k in range(n)]
@@ -547,7 +546,6 @@ def ud_predict(image):
                 else:
                     require(path.holds(z3.Not(above)) or j == 0, f"size {n}: a variance is not looked at")
                     inverse = constant(0.0)
-                chosen.append(inverse is not constant(0.0))
                 for i in range(j):
                     sum_ = constant(0.0)
                     for k in range(n):
@@ -558,7 +556,6 @@ def ud_predict(image):
                         left[i][k] = difference(left[i][k], product(u[j][i], left[j][k]))
                         right[i][k] = difference(right[i][k], product(u[j][i], right[j][k]))
             call.check(path, d, u, f"size {n}")
-            seen.add(tuple(chosen))
 
 
 def ud_add_rank_one(image):
@@ -573,7 +570,7 @@ def ud_add_rank_one(image):
                 call.check(path, d, u, f"size {n}, no increase")
                 continue
             require(path.holds(usable), f"size {n}: the increase is not looked at")
-            signs = Signs(image, at_least_zero=call.d, above_zero=[c0])
+            signs = Signs(at_least_zero=call.d, above_zero=[c0])
             for j in reversed(range(n)):
                 after = total(d[j], product(product(c, a[j]), a[j]))
                 zero = machine.compared("le", after, constant(0.0))

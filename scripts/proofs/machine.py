@@ -273,13 +273,13 @@ class Machine:
         self.objects = []
         self.place_of = None
         self.steps = 0
-        runtime = {
-            "__aeabi_dadd": (terms.total, "dd"),
-            "__aeabi_dsub": (terms.difference, "dd"),
-            "__aeabi_dmul": (terms.product, "dd"),
-            "__aeabi_ddiv": (terms.quotient, "dd"),
+        arithmetic = {
+            "__aeabi_dadd": terms.total,
+            "__aeabi_dsub": terms.difference,
+            "__aeabi_dmul": terms.product,
+            "__aeabi_ddiv": terms.quotient,
         }
-        for name, (function, _) in runtime.items():
+        for name, function in arithmetic.items():
             if name in image.functions:
                 self.hooks[image.functions[name]] = lambda path, f=function: self.arithmetic(path, f)
         for name, op, swap in (
