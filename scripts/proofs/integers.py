@@ -3,7 +3,7 @@ does not end: the compiler divides by multiplying). Every operation is translate
 
 import z3
 
-from machine import Violation
+from machine import Undecided, Violation
 
 
 def is_bit(test):
@@ -169,4 +169,4 @@ def proved(facts, claim, tries=20):
             return answer == z3.unsat
     if tries == 1:
         return False
-    raise Violation(f"z3 does not decide a claim about an index in {tries} tries")
+    raise Undecided(f"z3 does not decide a claim about an index in {tries} tries")

@@ -23,7 +23,11 @@ LONGEST = 60_000  # blocks of one path
 
 
 class Violation(Exception):
-    """What was to be proved does not hold, or could not be proved."""
+    """What was to be proved does not hold."""
+
+
+class Undecided(Exception):
+    """z3 has not found out in time whether it holds."""
 
 
 class Fork(Exception):
@@ -94,7 +98,7 @@ class Path:
         solver.add(*self.relevant(more), *more)
         answer = solver.check()
         if answer == z3.unknown:
-            raise Violation(f"z3 does not decide a condition: {solver.reason_unknown()}")
+            raise Undecided(f"z3 does not decide a condition: {solver.reason_unknown()}")
         return answer == z3.sat
 
     def relevant(self, asked):
