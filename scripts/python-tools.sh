@@ -1,11 +1,11 @@
 #!/bin/sh
 # Makes a Python environment with the formats' own tools, at pinned versions, for the round trips: in target/python, or in
-# the folder given. Does nothing, and needs no network, where it is there already.
+# the folder given; other packages where their list is given too. Does nothing, and needs no network, where it is there already.
 set -eu
 cd "$(dirname "$0")/.."
 
 folder=${1:-target/python}
-requirements=tests/python/requirements.txt
+requirements=${2:-tests/python/requirements.txt}
 
 if [ -x "$folder/bin/python" ] && cmp -s "$requirements" "$folder/requirements.txt"; then
     echo "python-tools: $folder is there"
