@@ -11,6 +11,8 @@ mod delivery;
 mod design;
 mod estimate;
 mod field;
+#[cfg(feature = "fleet")]
+pub(crate) mod fleet;
 mod help;
 pub(crate) mod init;
 mod inspect;
@@ -40,6 +42,8 @@ pub(crate) use delivery::PictureFormat;
 pub(crate) use design::{Design, InputKind, SurfaceName};
 pub(crate) use estimate::{AxesForm, Estimate, Export, ExportForm, Truth};
 pub(crate) use field::Field;
+#[cfg(feature = "fleet")]
+pub(crate) use fleet::Fleet;
 pub(crate) use init::{ClassName, Init};
 pub(crate) use inspect::Inspect;
 pub(crate) use linearize::Linearize;
@@ -87,6 +91,8 @@ pub(crate) enum Command {
     Monitor(Monitor),
     Study(Study),
     Field(Field),
+    #[cfg(feature = "fleet")]
+    Fleet(Fleet),
     Compare(Compare),
     Reproduce(Reproduce),
     Tune(Tune),

@@ -44,6 +44,8 @@ fn main() -> ExitCode {
         Some(Command::Regress(arguments)) => commands::regress::run(arguments),
         Some(Command::Study(arguments)) => commands::study::run(arguments),
         Some(Command::Field(arguments)) => commands::field::run(arguments),
+        #[cfg(feature = "fleet")]
+        Some(Command::Fleet(arguments)) => commands::fleet::run(arguments),
         Some(Command::Compare(arguments)) => commands::compare::run(arguments),
         Some(Command::Reproduce(arguments)) => commands::reproduce::run(arguments),
         Some(Command::Tune(arguments)) => commands::tune::run(arguments),

@@ -11,6 +11,10 @@ mod detection;
 pub(crate) mod estimate;
 mod export;
 pub(crate) mod field;
+#[cfg(feature = "fleet")]
+pub(crate) mod fleet;
+#[cfg(feature = "fleet")]
+mod fleet_tell;
 mod flight;
 pub(crate) mod init;
 pub(crate) mod inspect;

@@ -1,0 +1,15 @@
+#![doc = include_str!("../README.md")]
+#![cfg_attr(not(test), deny(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
+
+pub mod key;
+pub mod logs;
+pub mod row;
+#[cfg(feature = "parquet")]
+pub mod run;
+#[cfg(feature = "parquet")]
+pub mod schema;
+pub mod shard;
+pub mod source;
+#[cfg(feature = "parquet")]
+pub mod store;
+pub mod unit;
