@@ -9,6 +9,7 @@ pub mod run;
 #[cfg(feature = "parquet")]
 pub mod schema;
 pub mod shard;
+pub mod simulated;
 pub mod source;
 #[cfg(feature = "parquet")]
 pub mod store;

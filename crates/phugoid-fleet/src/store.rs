@@ -5,7 +5,7 @@
 //!
 //! ```text
 //! store/
-//!   estimates/kind=log/model=<12 digits>/part=<2 digits>/<key>.parquet     the rows
+//!   estimates/source=log/model_hash=<12 digits>/part=<2 digits>/<key>.parquet     the rows
 //!   logs/part=<2 digits>/<hash of the log>.parquet                         where the log stands and whose flight it is
 //!   models/<hash of the model>.toml                                        the text of each model
 //!   again/<key>                                                            units to be tried again
@@ -132,8 +132,8 @@ impl Store {
         let beginning = |text: &str, length: usize| text.get(..length).unwrap_or(text).to_owned();
         self.folder
             .join("estimates")
-            .join(format!("kind={kind}"))
-            .join(format!("model={}", beginning(model_sha256, 12)))
+            .join(format!("source={kind}"))
+            .join(format!("model_hash={}", beginning(model_sha256, 12)))
             .join(format!("part={}", beginning(key, 2)))
             .join(format!("{key}.parquet"))
     }
