@@ -4,6 +4,8 @@
 #[cfg(feature = "live")]
 pub(crate) mod address;
 mod aircraft;
+#[cfg(feature = "fleet")]
+mod campaign;
 mod check;
 mod compare;
 mod compatibility;
@@ -35,6 +37,8 @@ use clap::{Args, Parser, Subcommand};
 use phugoid_identification::method::Method;
 
 pub(crate) use aircraft::{AircraftChoice, FlightCondition, TablesName};
+#[cfg(feature = "fleet")]
+pub(crate) use campaign::Campaign;
 pub(crate) use check::Check;
 pub(crate) use compare::Compare;
 pub(crate) use compatibility::{Compatibility, SensorGroup};
@@ -93,6 +97,8 @@ pub(crate) enum Command {
     Field(Field),
     #[cfg(feature = "fleet")]
     Fleet(Fleet),
+    #[cfg(feature = "fleet")]
+    Campaign(Campaign),
     Compare(Compare),
     Reproduce(Reproduce),
     Tune(Tune),

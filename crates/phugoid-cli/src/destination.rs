@@ -229,6 +229,11 @@ impl Plan {
                     question.files().for_each(|(option, file)| plan.file(option, file));
                 }
             }
+            #[cfg(feature = "fleet")]
+            Some(Command::Campaign(a)) => {
+                plan.inputs.push(a.file.clone());
+                plan.file("--out", a.delivery.out.as_ref());
+            }
             Some(Command::Compare(a)) => {
                 if !a.list {
                     plan.words(a.scenarios.iter().chain(&a.model));

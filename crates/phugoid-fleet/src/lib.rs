@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 #![cfg_attr(not(test), deny(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
+pub mod campaign;
 pub mod key;
 pub mod logs;
 pub mod row;
@@ -11,6 +12,7 @@ pub mod schema;
 pub mod shard;
 pub mod simulated;
 pub mod source;
+pub mod statistics;
 #[cfg(feature = "parquet")]
 pub mod store;
 pub mod unit;

@@ -104,9 +104,22 @@ pub(crate) struct Asking {
     /// Part of the findings that may be false, 0 to 1 (false-discovery rate)
     #[arg(long, value_name = "PART", default_value_t = 0.05)]
     pub(crate) false_discoveries: f64,
-    /// Only rows of this model, by the first digits of its hash or the name in its file. Needed where a store has several
-    #[arg(long, value_name = "NAME")]
-    pub(crate) model: Option<String>,
+    /// Only results of this model (its name, or the first digits of its hash), method or version; may be repeated
+    #[arg(long, value_name = "WORD")]
+    pub(crate) only: Vec<String>,
+    /// What courses run over; hours have to stand in the table of flights
+    #[arg(long, value_enum, default_value_t)]
+    pub(crate) over: OverWord,
+}
+
+/// What courses run over, on the command line.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum OverWord {
+    /// Flights of the airframe
+    #[default]
+    Flights,
+    /// Hours flown
+    Hours,
 }
 
 impl Question {
@@ -115,5 +128,17 @@ impl Question {
         match self {
             Self::Tell(tell) => [("--out", tell.delivery.out.as_ref())].into_iter(),
         }
+    }
+}
+
+impl Asking {
+    /// The question to the store.
+    pub(crate) fn question(&self) -> phugoid_fleet::statistics::tell::Question {
+        use phugoid_fleet::statistics::tell::{Over, Question};
+        let over = match self.over {
+            OverWord::Flights => Over::Flights,
+            OverWord::Hours => Over::Hours,
+        };
+        Question { false_discoveries: self.false_discoveries, only: self.only.clone(), over }
     }
 }

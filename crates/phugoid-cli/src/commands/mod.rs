@@ -1,6 +1,8 @@
 //! One file per command: each reads its input, calls the library and prints the result.
 
 mod axes_form;
+#[cfg(feature = "fleet")]
+pub(crate) mod campaign;
 pub(crate) mod check;
 pub(crate) mod compare;
 pub(crate) mod compatibility;
