@@ -4,6 +4,7 @@
 pub mod campaign;
 pub mod key;
 pub mod logs;
+pub mod page;
 pub mod row;
 #[cfg(feature = "parquet")]
 pub mod run;

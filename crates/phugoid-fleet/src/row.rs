@@ -114,6 +114,17 @@ pub enum Refusal {
 }
 
 impl Refusal {
+    /// All of them.
+    pub const ALL: [Self; 7] = [
+        Self::Unreadable,
+        Self::FormatNotInBuild,
+        Self::NotAFlight,
+        Self::NoManoeuvre,
+        Self::NotUseful,
+        Self::NotEstimated,
+        Self::NotFlown,
+    ];
+
     /// The word in the column `refusal`.
     pub const fn word(self) -> &'static str {
         match self {

@@ -104,7 +104,7 @@ impl Task {
     }
 
     /// The row of a file that the operating system does not give.
-    pub fn unreadable(&self, path: &Path, error: &std::io::Error) -> Row {
+    pub fn unreadable(&self, path: &Path, error: &str) -> Row {
         let message = format!("{}: cannot be read: {error}", path.display());
         self.common(self.key_of_unreadable(path), None).refused(Refusal::Unreadable, message)
     }

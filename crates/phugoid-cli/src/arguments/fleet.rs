@@ -84,6 +84,7 @@ impl From<SegmentsWord> for Segments {
 #[derive(Debug, Subcommand)]
 pub(crate) enum Question {
     Tell(Tell),
+    View(View),
 }
 
 /// Tells of each airframe the course of its parameters: means with combined bounds, drifts, steps, outliers
@@ -96,6 +97,19 @@ pub(crate) struct Tell {
     pub(crate) asking: Asking,
     #[command(flatten)]
     pub(crate) delivery: Delivery,
+}
+
+/// Writes what the fleet tells as a page, with a sparkline for each parameter of each airframe
+#[derive(Debug, Args)]
+pub(crate) struct View {
+    /// Folder of the store
+    #[arg(value_name = "STORE")]
+    pub(crate) store: PathBuf,
+    #[command(flatten)]
+    pub(crate) asking: Asking,
+    /// The page
+    #[arg(long, value_name = "FILE.html", default_value = "fleet.html")]
+    pub(crate) html: PathBuf,
 }
 
 /// How a store is judged.
@@ -127,6 +141,7 @@ impl Question {
     pub(crate) fn files(&self) -> impl Iterator<Item = (&'static str, Option<&PathBuf>)> {
         match self {
             Self::Tell(tell) => [("--out", tell.delivery.out.as_ref())].into_iter(),
+            Self::View(view) => [("--html", Some(&view.html))].into_iter(),
         }
     }
 }

@@ -4,10 +4,11 @@ use std::fmt::Write as _;
 
 use phugoid_fleet::statistics::tell::{Airframe, Course, Findings, Over, Shape, tell};
 use phugoid_fleet::store::Store;
+use phugoid_flight_data::output_file;
 
-use crate::arguments::fleet::{Asking, Tell};
+use crate::arguments::fleet::{Asking, Tell, View};
 use crate::failure::Failure;
-use crate::output::{Table, deliver, significant};
+use crate::output::{Table, deliver, print, significant};
 
 /// More rows of means than this are left to `--json`.
 const MOST_MEANS: usize = 200;
@@ -15,6 +16,14 @@ const MOST_MEANS: usize = 200;
 pub(super) fn run(arguments: &Tell) -> Result<(), Failure> {
     let findings = findings(&arguments.store, &arguments.asking)?;
     deliver(&findings, arguments.delivery.json, arguments.delivery.out.as_deref(), || text(&findings))
+}
+
+/// Writes the page.
+pub(super) fn view(arguments: &View) -> Result<(), Failure> {
+    let findings = findings(&arguments.store, &arguments.asking)?;
+    let page = phugoid_fleet::page::html(&findings);
+    output_file::write(&arguments.html, page).map_err(|e| Failure::writing_of("--html", &arguments.html, e))?;
+    print(&format!("Page: {}\n", arguments.html.display()))
 }
 
 /// What the store in a folder tells.

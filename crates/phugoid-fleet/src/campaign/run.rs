@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use rayon::prelude::*;
 
 use super::unit::Unit;
-use crate::run::{Progress, RunError, Share, Summary, pool};
+use crate::run::{Outcome, Progress, RunError, Share, Summary, pool};
 use crate::store::{Store, StoreError};
 
 /// Flies and estimates every unit that the store does not have. `progress` and `stop` are those of [`crate::run::run`].
@@ -35,16 +35,16 @@ pub fn run(
         }
     }
     let all = work.len();
-    let one = |(unit, key): (&Unit, &String)| -> Result<Option<(usize, bool)>, StoreError> {
+    let one = |(unit, key): (&Unit, &String)| -> Result<Outcome, StoreError> {
         let model = unit.model_sha256();
         let new = if store.has("campaign", &model, key) {
             found.fetch_add(1, Ordering::Relaxed);
-            None
+            Outcome::Found
         } else {
             store.write_model(&model, &unit.model)?;
             let rows = unit.rows();
             store.write_unit(&rows, false)?;
-            Some((rows.len(), rows.iter().all(|row| row.parameter.is_none())))
+            Outcome::Estimated { rows: rows.len(), refused: rows.iter().all(|row| row.parameter.is_none()) }
         };
         let done = done.fetch_add(1, Ordering::Relaxed) + 1;
         progress(Progress { done, all, found: found.load(Ordering::Relaxed) });
@@ -57,12 +57,7 @@ pub fn run(
     for result in results {
         match result.transpose()? {
             None => summary.left += 1,
-            Some(None) => summary.found += 1,
-            Some(Some((rows, refused))) => {
-                summary.estimated += 1;
-                summary.rows += rows;
-                summary.refused += usize::from(refused);
-            }
+            Some(outcome) => summary.add(outcome),
         }
     }
     Ok(summary)
