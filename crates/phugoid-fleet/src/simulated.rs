@@ -19,6 +19,10 @@ pub struct SimulatedFleet {
     /// One sigma of the scale errors of each airframe's sensors: airspeed, angle of attack, and position of the elevator, as a
     /// part of what they measure. They stay the same over all flights of an airframe.
     pub sensor_scale: f64,
+    /// Samples per second of a log, Hz.
+    pub sample_rate_hz: f64,
+    /// Number of 3-2-1-1 in a flight, one every twelve seconds.
+    pub manoeuvres: u32,
     /// What changes from flight to flight; nothing where it is empty.
     pub drifts: Vec<Drift>,
 }
@@ -57,22 +61,13 @@ pub enum SimulatedError {
     },
 }
 
-/// One 3-2-1-1 after three quiet seconds.
+/// The first lines and the manoeuvres of a scenario stand before this.
 const SCENARIO: &str = r#"
-name = "a flight of a fleet"
-duration = "14 s"
-sample_rate = "25 Hz"
 [aircraft]
 file = "hfb320"
 [condition]
 altitude = "4300 m"
 speed = "104.67 m/s"
-[[manoeuvre]]
-type = "3-2-1-1"
-surface = "elevator"
-start = "3 s"
-unit = "0.7 s"
-amplitude = "0.8 deg"
 [sensors]
 true_airspeed = { noise = "0.13 m/s" }
 alpha = { noise = "0.057 deg" }
@@ -89,7 +84,7 @@ impl SimulatedFleet {
     /// ```
     /// use phugoid_fleet::simulated::{Drift, SimulatedFleet};
     /// let drifts = vec![Drift { airframe: 1, parameter: "Cm_alpha".to_owned(), part_per_flight: 0.01 / 50.0 }];
-    /// let fleet = SimulatedFleet { seed: 1, sensor_scale: 0.015, drifts };
+    /// let fleet = SimulatedFleet { seed: 1, sensor_scale: 0.015, sample_rate_hz: 25.0, manoeuvres: 1, drifts };
     /// let record = fleet.record(1, 30)?;
     /// assert_eq!(record.len(), 351); // 14 s at 25 Hz
     /// assert_eq!(record, fleet.record(1, 30)?);
@@ -105,7 +100,7 @@ impl SimulatedFleet {
             let parameter = parameter.ok_or_else(|| SimulatedError::NoParameter { name: drift.parameter.clone() })?;
             parameter.start *= 1.0 + drift.part_per_flight * flight as f64;
         }
-        let mut scenario = Scenario::parse(SCENARIO, "a flight of a fleet")?;
+        let mut scenario = Scenario::parse(&self.scenario(), "a flight of a fleet")?;
         scenario.seed = self.generator(airframe, flight as u64 + 1).random();
         let mut record = fly_aircraft(&ModelAircraft::new(&model)?, &scenario, &|_| ())?.measured;
         let mut scales = self.generator(airframe, 0);
@@ -116,6 +111,23 @@ impl SimulatedFleet {
             }
         }
         Ok(record)
+    }
+
+    /// Each manoeuvre comes after three quiet seconds.
+    fn scenario(&self) -> String {
+        let duration = 12 * self.manoeuvres + 2;
+        let head = format!(
+            "name = \"a flight of a fleet\"\nduration = \"{duration} s\"\nsample_rate = \"{} Hz\"\n",
+            self.sample_rate_hz
+        );
+        let manoeuvre = |number: u32| {
+            format!(
+                "[[manoeuvre]]\ntype = \"3-2-1-1\"\nsurface = \"elevator\"\nunit = \"0.7 s\"\namplitude = \"0.8 deg\"\n\
+                 start = \"{} s\"\n",
+                12 * number + 3
+            )
+        };
+        head + SCENARIO + &(0..self.manoeuvres).map(manoeuvre).collect::<String>()
     }
 
     fn generator(&self, airframe: usize, flight: u64) -> Pcg64Mcg {

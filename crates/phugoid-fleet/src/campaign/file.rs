@@ -156,7 +156,10 @@ impl Campaign {
         }
         self.vary.iter().fold(vec![Vec::new()], |points, factor| {
             let values = factor.grid();
-            points.iter().flat_map(|point| values.iter().map(|v| [point.as_slice(), std::slice::from_ref(v)].concat())).collect()
+            points
+                .iter()
+                .flat_map(|point| values.iter().map(|v| [point.as_slice(), std::slice::from_ref(v)].concat()))
+                .collect()
         })
     }
 
