@@ -339,11 +339,12 @@ fn judge_changes(airframes: &mut [Airframe], rate: f64) {
     let all: Vec<f64> = rates(&courses().map(p_of).collect::<Vec<f64>>());
     for (course, found) in airframes.iter_mut().flat_map(|airframe| &mut airframe.courses).zip(all) {
         course.change_rate = crate::row::finite(found);
-        let chi = |change: &Option<Change>| change.map_or(f64::INFINITY, |change| change.chi_squared);
+        // A step may choose its place, which its p-value pays for and its residuals do not.
+        let p = |change: &Option<Change>| change.map_or(f64::INFINITY, |change| change.p_value);
         course.shape = match found {
             found if found.is_nan() => Shape::TooFew,
             found if found > rate => Shape::Steady,
-            _ if chi(&course.drift) <= chi(&course.step) => Shape::Drift,
+            _ if p(&course.drift) <= p(&course.step) => Shape::Drift,
             _ => Shape::Step,
         };
     }
