@@ -151,7 +151,6 @@ pub(crate) fn fleet_tell(
     };
     let store = Store::open(Path::new(&store)).map_err(raise)?;
     let question = Question { false_discoveries, only, over };
-    let findings =
-        tell(&store.rows().map_err(raise)?, &store.logs().map_err(raise)?, &question).map_err(raise)?;
+    let findings = tell(&store.rows().map_err(raise)?, &store.logs().map_err(raise)?, &question).map_err(raise)?;
     Ok((serde_json::to_string(&findings).map_err(raise)?, phugoid_fleet::page::html(&findings)))
 }
