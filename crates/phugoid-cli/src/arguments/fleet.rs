@@ -57,8 +57,46 @@ pub(crate) struct Estimating {
     /// The i-th of n parts of the logs, for arrays of jobs on several machines with one store
     #[arg(long, value_name = "i/n", default_value_t)]
     pub(crate) shard: Shard,
+    /// What does the work: local, threads of this program; ray, a task of Ray for each log, on this machine or on the cluster at
+    /// ray://HOST:PORT. Ray is called by the Python package (pip install "phugoid[fleet]"), with python3 or what PHUGOID_PYTHON
+    /// names
+    #[arg(long, value_name = "ENGINE", default_value_t)]
+    pub(crate) engine: Engine,
     #[command(flatten)]
     pub(crate) delivery: Delivery,
+}
+
+/// What does the work.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) enum Engine {
+    /// Threads of this program.
+    #[default]
+    Local,
+    /// Tasks of Ray, on this machine or on the cluster at this address.
+    Ray(Option<String>),
+}
+
+impl std::fmt::Display for Engine {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Local => "local",
+            Self::Ray(None) => "ray",
+            Self::Ray(Some(address)) => address,
+        })
+    }
+}
+
+impl std::str::FromStr for Engine {
+    type Err = String;
+
+    fn from_str(word: &str) -> Result<Self, String> {
+        match word {
+            "local" => Ok(Self::Local),
+            "ray" => Ok(Self::Ray(None)),
+            address if address.starts_with("ray://") && address.len() > 6 => Ok(Self::Ray(Some(address.to_owned()))),
+            other => Err(format!("`{other}` is no engine: expected local, ray or ray://HOST:PORT")),
+        }
+    }
 }
 
 /// Segments on the command line.

@@ -11,7 +11,10 @@ use phugoid_fleet::source::files;
 use phugoid_fleet::store::{Store, StoreError};
 use phugoid_fleet::unit::Task;
 
-use crate::arguments::{self, fleet::Estimating};
+use crate::arguments::{
+    self,
+    fleet::{Engine, Estimating},
+};
 use crate::failure::Failure;
 use crate::output::deliver;
 
@@ -46,6 +49,13 @@ fn estimate(arguments: &Estimating) -> Result<(), Failure> {
     let (Some(model), Some(folder)) = (&arguments.model, &arguments.store) else {
         return Err(Failure::input("fleet needs --model and --store"));
     };
+    if let Engine::Ray(address) = &arguments.engine {
+        let summary = super::fleet_on_ray::run(arguments, model, folder, address.as_deref())?;
+        let store = Store::open(folder)?;
+        return deliver(&summary, arguments.delivery.json, arguments.delivery.out.as_deref(), || {
+            text(&summary, &store)
+        });
+    }
     let task = Task::open(model, arguments.method, arguments.segments.into()).map_err(Failure::input)?;
     let table = arguments.flights.as_deref().map(FlightTable::open).transpose().map_err(Failure::input)?;
     let logs = files(&arguments.logs).map_err(Failure::input)?;

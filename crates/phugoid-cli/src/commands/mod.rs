@@ -16,6 +16,8 @@ pub(crate) mod field;
 #[cfg(feature = "fleet")]
 pub(crate) mod fleet;
 #[cfg(feature = "fleet")]
+mod fleet_on_ray;
+#[cfg(feature = "fleet")]
 mod fleet_tell;
 mod flight;
 pub(crate) mod init;

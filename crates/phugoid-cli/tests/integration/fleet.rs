@@ -136,6 +136,18 @@ fn mistakes_are_told_before_anything_is_estimated() {
     assert!(run(&["s3://b/x", "--model", "hfb320", "--store", "s"]).fails(3).contains("object store"));
     assert!(run(&["logs", "--model", "hfb", "--store", "s"]).fails(3).contains("hfb320"));
     assert!(run(&["logs", "--model", "hfb320", "--store", "logs"]).fails(4).contains("no store"));
+    let run = Command::new(env!("CARGO_BIN_EXE_phugoid"))
+        .current_dir(&folder.0)
+        .env("PHUGOID_PYTHON", "no-such-python")
+        .args(["fleet", "logs", "--model", "hfb320", "--store", "s", "--engine", "ray"])
+        .output()
+        .unwrap();
+    assert_eq!(run.status.code(), Some(1));
+    assert!(String::from_utf8(run.stderr).unwrap().contains("no-such-python"));
+    assert_eq!(
+        phugoid(&folder.0, &["fleet", "logs", "--model", "hfb320", "--store", "s", "--engine", "spark"]).code,
+        Some(2)
+    );
     assert!(!folder.0.join("s").exists());
 }
 
