@@ -280,7 +280,8 @@ mod tests {
                 assert!(mean.random_std > 0.9 * 0.01 / 30.0_f64.sqrt() * claim.max(0.5));
                 falsely += usize::from(drift(&course).unwrap().p_value < 0.05);
                 course.iter_mut().for_each(|o| o.value += 0.001 * o.at);
-                found += usize::from(drift(&course).unwrap().p_value < 0.001);
+                // 4.7 standard errors: by Student's t with 28 degrees of freedom, 97 of 100 are found at 1 %.
+                found += usize::from(drift(&course).unwrap().p_value < 0.01);
             }
             assert!((8..=45).contains(&falsely), "{falsely} of 500 at 5 %, claim {claim}");
             assert!(found > 450, "{found} of 500, claim {claim}");

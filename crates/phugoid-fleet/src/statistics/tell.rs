@@ -284,6 +284,7 @@ fn airframes(rows: &[&Row], logs: &[LogRow], over: Over) -> Result<Vec<Airframe>
         });
         airframes.push(Airframe { name: name.to_owned(), logs: logs.len(), courses: courses.collect() });
     }
+    airframes.sort_by_cached_key(|airframe| natural(&airframe.name));
     Ok(airframes)
 }
 
