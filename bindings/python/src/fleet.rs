@@ -48,8 +48,10 @@ fn hashed((name, hash, bytes, error): Log) -> Hashed {
 
 #[pymethods]
 impl FleetTask {
+    /// `begin` makes the store where there is none, and clears what killed programs have left in it; tasks on other machines
+    /// open the one that is there, so that not each of them looks through all of it.
     #[new]
-    #[pyo3(signature = (model_name, model_text, store, method=None, segments="manoeuvres", flights=None))]
+    #[pyo3(signature = (model_name, model_text, store, method=None, segments="manoeuvres", flights=None, begin=true))]
     fn new(
         model_name: &str,
         model_text: String,
@@ -57,6 +59,7 @@ impl FleetTask {
         method: Option<&str>,
         segments: &str,
         flights: Option<PathBuf>,
+        begin: bool,
     ) -> PyResult<Self> {
         let method = method.map(|name| name.parse().map_err(raise)).transpose()?;
         let segments = match segments {
@@ -66,8 +69,10 @@ impl FleetTask {
         };
         let task = Task::parse(model_name, model_text, method, segments).map_err(raise)?;
         let flights = flights.as_deref().map(FlightTable::open).transpose().map_err(raise)?.unwrap_or_default();
-        let store = Store::create(&store).map_err(raise)?;
-        store.write_model(task.model_sha256(), task.model_text()).map_err(raise)?;
+        let store = if begin { Store::create(&store) } else { Store::open(&store) }.map_err(raise)?;
+        if begin {
+            store.write_model(task.model_sha256(), task.model_text()).map_err(raise)?;
+        }
         Ok(Self { task, flights, store })
     }
 

@@ -116,7 +116,7 @@ def _hash(name: str) -> _Log:
 
 def _one(recipe: _Recipe, log: _Log) -> Optional[tuple[int, bool]]:
     with _content(log[0]) as file:
-        return _phugoid.FleetTask(*recipe).one(log, file)
+        return _phugoid.FleetTask(*recipe, begin=False).one(log, file)
 
 
 def _on_ray(
