@@ -5,6 +5,8 @@ mod aircraft;
 mod error;
 mod estimation;
 mod examination;
+#[cfg(feature = "fleet")]
+mod fleet;
 mod model;
 mod record;
 mod session;
@@ -28,5 +30,13 @@ fn _phugoid(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(studies::simulate, module)?)?;
     module.add_function(wrap_pyfunction!(studies::compare, module)?)?;
     module.add_function(wrap_pyfunction!(studies::names, module)?)?;
+    #[cfg(feature = "fleet")]
+    {
+        module.add_class::<fleet::FleetTask>()?;
+        module.add_function(wrap_pyfunction!(fleet::fleet_files, module)?)?;
+        module.add_function(wrap_pyfunction!(fleet::fleet_hash, module)?)?;
+        module.add_function(wrap_pyfunction!(fleet::fleet_model, module)?)?;
+        module.add_function(wrap_pyfunction!(fleet::fleet_tell, module)?)?;
+    }
     Ok(())
 }

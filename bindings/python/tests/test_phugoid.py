@@ -297,3 +297,45 @@ def test_tables_without_names_or_times(tmp_path):
     record = phugoid.Record.open(tmp_path / "clock.csv")
     assert list(record.time) == [0.0, 0.5, 1.0]
     assert abs(record["az"][1] + 1.1 * 9.80665) < 1e-12
+
+
+def fleet_content(store):
+    return {str(file.relative_to(store)): file.read_bytes() for file in Path(store).rglob("*") if file.is_file()}
+
+
+@pytest.fixture(scope="module")
+def logs(tmp_path_factory):
+    """Three flights, a copy of one, and a file that is no flight."""
+    folder = tmp_path_factory.mktemp("fleet") / "N17"
+    folder.mkdir()
+    for seed in (1, 2, 3):
+        phugoid.simulate("f16-calm", seed=seed)[0].write_csv(folder / f"flight-{seed}.csv")
+    (folder / "copy.csv").write_bytes((folder / "flight-1.csv").read_bytes())
+    (folder / "broken.csv").write_text("no flight\n1\n")
+    return folder
+
+
+def test_a_fleet_is_estimated_once_and_by_shards_alike(logs, tmp_path):
+    done = []
+    summary = phugoid.fleet(str(logs), "f16-model", tmp_path / "whole", progress=done.append)
+    assert (summary["estimated"], summary["copies"], summary["refused"]) == (4, 1, 1)
+    assert done[-1] == 1.0
+    assert phugoid.fleet([logs], "f16-model", tmp_path / "whole")["found"] == 4
+    for shard in ("2/2", "1/2"):
+        phugoid.fleet(logs.glob("*"), "f16-model", tmp_path / "shards", shard=shard, workers=1)
+    assert fleet_content(tmp_path / "shards") == fleet_content(tmp_path / "whole")
+    told = phugoid.fleet_tell(tmp_path / "whole", html=tmp_path / "fleet.html")
+    assert [airframe["name"] for airframe in told["airframes"]] == ["N17"]
+    assert "flight-3.csv" in (tmp_path / "fleet.html").read_text()
+    with pytest.raises(phugoid.PhugoidError, match="no such file"):
+        phugoid.fleet("nowhere", "f16-model", tmp_path / "other")
+    with pytest.raises(phugoid.PhugoidError, match='"local" or "ray"'):
+        phugoid.fleet(str(logs), "f16-model", tmp_path / "other", engine="spark")
+
+
+def test_ray_makes_the_store_that_this_machine_makes(logs, tmp_path):
+    pytest.importorskip("ray", reason="pip install 'phugoid[fleet]'")
+    phugoid.fleet(str(logs), "f16-model", tmp_path / "local")
+    summary = phugoid.fleet(str(logs), "f16-model", tmp_path / "ray", engine="ray", workers=2)
+    assert (summary["estimated"], summary["refused"]) == (4, 1)
+    assert fleet_content(tmp_path / "ray") == fleet_content(tmp_path / "local")

@@ -4,6 +4,8 @@
 #[cfg(feature = "live")]
 pub(crate) mod address;
 mod aircraft;
+#[cfg(feature = "fleet")]
+mod campaign;
 mod check;
 mod compare;
 mod compatibility;
@@ -11,6 +13,8 @@ mod delivery;
 mod design;
 mod estimate;
 mod field;
+#[cfg(feature = "fleet")]
+pub(crate) mod fleet;
 mod fly;
 mod help;
 pub(crate) mod init;
@@ -34,6 +38,8 @@ use clap::{Args, Parser, Subcommand};
 use phugoid_identification::method::Method;
 
 pub(crate) use aircraft::{AircraftChoice, FlightCondition, TablesName};
+#[cfg(feature = "fleet")]
+pub(crate) use campaign::Campaign;
 pub(crate) use check::Check;
 pub(crate) use compare::Compare;
 pub(crate) use compatibility::{Compatibility, SensorGroup};
@@ -41,6 +47,8 @@ pub(crate) use delivery::PictureFormat;
 pub(crate) use design::{Design, InputKind, SurfaceName};
 pub(crate) use estimate::{AxesForm, Estimate, Export, ExportForm, Truth};
 pub(crate) use field::Field;
+#[cfg(feature = "fleet")]
+pub(crate) use fleet::Fleet;
 pub(crate) use fly::Fly;
 pub(crate) use init::{ClassName, Init};
 pub(crate) use inspect::Inspect;
@@ -90,6 +98,10 @@ pub(crate) enum Command {
     Fly(Fly),
     Study(Study),
     Field(Field),
+    #[cfg(feature = "fleet")]
+    Fleet(Fleet),
+    #[cfg(feature = "fleet")]
+    Campaign(Campaign),
     Compare(Compare),
     Reproduce(Reproduce),
     Tune(Tune),

@@ -223,6 +223,21 @@ impl Plan {
                 plan.input_folders.push(a.folder.clone());
                 plan.file("--out", a.delivery.out.as_ref());
             }
+            #[cfg(feature = "fleet")]
+            Some(Command::Fleet(a)) => {
+                plan.inputs.extend(a.estimating.logs.iter().map(PathBuf::from).filter(|path| path.is_file()));
+                plan.inputs.extend(a.estimating.flights.clone());
+                plan.words(&a.estimating.model);
+                plan.file("--out", a.estimating.delivery.out.as_ref());
+                if let Some(question) = &a.question {
+                    question.files().for_each(|(option, file)| plan.file(option, file));
+                }
+            }
+            #[cfg(feature = "fleet")]
+            Some(Command::Campaign(a)) => {
+                plan.inputs.push(a.file.clone());
+                plan.file("--out", a.delivery.out.as_ref());
+            }
             Some(Command::Compare(a)) => {
                 if !a.list {
                     plan.words(a.scenarios.iter().chain(&a.model));

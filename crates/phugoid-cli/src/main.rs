@@ -45,6 +45,10 @@ fn main() -> ExitCode {
         Some(Command::Fly(arguments)) => commands::fly::run(arguments),
         Some(Command::Study(arguments)) => commands::study::run(arguments),
         Some(Command::Field(arguments)) => commands::field::run(arguments),
+        #[cfg(feature = "fleet")]
+        Some(Command::Fleet(arguments)) => commands::fleet::run(arguments),
+        #[cfg(feature = "fleet")]
+        Some(Command::Campaign(arguments)) => commands::campaign::run(arguments),
         Some(Command::Compare(arguments)) => commands::compare::run(arguments),
         Some(Command::Reproduce(arguments)) => commands::reproduce::run(arguments),
         Some(Command::Tune(arguments)) => commands::tune::run(arguments),

@@ -24,6 +24,7 @@ from typing import Any, Callable, Iterable, Mapping, NamedTuple, Optional, Seque
 import numpy as np
 
 from . import _phugoid
+from ._fleet import fleet, fleet_tell
 from ._phugoid import Model, PhugoidError, __version__
 from ._progress import reporter
 
@@ -40,6 +41,8 @@ __all__ = [
     "compare",
     "compatibility",
     "estimate",
+    "fleet",
+    "fleet_tell",
     "from_columns",
     "from_frame",
     "inspect",

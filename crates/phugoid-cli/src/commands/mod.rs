@@ -1,6 +1,8 @@
 //! One file per command: each reads its input, calls the library and prints the result.
 
 mod axes_form;
+#[cfg(feature = "fleet")]
+pub(crate) mod campaign;
 pub(crate) mod check;
 pub(crate) mod compare;
 pub(crate) mod compatibility;
@@ -11,6 +13,12 @@ mod detection;
 pub(crate) mod estimate;
 mod export;
 pub(crate) mod field;
+#[cfg(feature = "fleet")]
+pub(crate) mod fleet;
+#[cfg(feature = "fleet")]
+mod fleet_on_ray;
+#[cfg(feature = "fleet")]
+mod fleet_tell;
 mod flight;
 pub(crate) mod fly;
 pub(crate) mod init;

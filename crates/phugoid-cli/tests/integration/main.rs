@@ -15,6 +15,7 @@ mod compare;
 mod deletion;
 mod destinations;
 mod field;
+mod fleet;
 mod init;
 mod inspect;
 mod live;

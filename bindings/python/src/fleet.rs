@@ -1,0 +1,161 @@
+//! Fleets: the steps of a run, one by one, so that any engine can call them; and what a store tells.
+
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+
+use phugoid_fleet::logs::FlightTable;
+use phugoid_fleet::run::{self, Hashed, Outcome, Share, Summary};
+use phugoid_fleet::shard::Shard;
+use phugoid_fleet::source;
+use phugoid_fleet::statistics::tell::{Over, Question, tell};
+use phugoid_fleet::store::Store;
+use phugoid_fleet::unit::{Segments, Task};
+use phugoid_identification::model_file::ModelFile;
+use pyo3::prelude::*;
+
+use crate::error::raise;
+
+/// What decides on the rows of a log, and the store that they go to. It is made of text alone, so that each worker can make
+/// its own.
+#[pyclass(frozen)]
+pub(crate) struct FleetTask {
+    task: Task,
+    flights: FlightTable,
+    store: Store,
+}
+
+/// A log as Python has it: name, hash (empty where it cannot be read), bytes, and the reason where it cannot be read.
+type Log = (String, String, u64, String);
+
+fn log(log: Hashed) -> PyResult<Log> {
+    let name = text(log.name)?;
+    Ok(match log.content {
+        Ok((hash, bytes)) => (name, hash, bytes, String::new()),
+        Err(error) => (name, String::new(), 0, error),
+    })
+}
+
+/// A path as text, which is what Python code compares.
+fn text(path: PathBuf) -> PyResult<String> {
+    let lost = |path: std::ffi::OsString| raise(format!("{}: the name is no text", path.display()));
+    path.into_os_string().into_string().map_err(lost)
+}
+
+fn hashed((name, hash, bytes, error): Log) -> Hashed {
+    let content = if hash.is_empty() { Err(error) } else { Ok((hash, bytes)) };
+    Hashed { name: name.into(), content }
+}
+
+#[pymethods]
+impl FleetTask {
+    /// `begin` makes the store where there is none, and clears what killed programs have left in it; tasks on other machines
+    /// open the one that is there, so that not each of them looks through all of it.
+    #[new]
+    #[pyo3(signature = (model_name, model_text, store, method=None, segments="manoeuvres", flights=None, begin=true))]
+    fn new(
+        model_name: &str,
+        model_text: String,
+        store: PathBuf,
+        method: Option<&str>,
+        segments: &str,
+        flights: Option<PathBuf>,
+        begin: bool,
+    ) -> PyResult<Self> {
+        let method = method.map(|name| name.parse().map_err(raise)).transpose()?;
+        let segments = match segments {
+            "manoeuvres" => Segments::Manoeuvres,
+            "whole" => Segments::Whole,
+            other => return Err(raise(format!("segments are \"manoeuvres\" or \"whole\", not \"{other}\""))),
+        };
+        let task = Task::parse(model_name, model_text, method, segments).map_err(raise)?;
+        let flights = flights.as_deref().map(FlightTable::open).transpose().map_err(raise)?.unwrap_or_default();
+        let store = if begin { Store::create(&store) } else { Store::open(&store) }.map_err(raise)?;
+        if begin {
+            store.write_model(task.model_sha256(), task.model_text()).map_err(raise)?;
+        }
+        Ok(Self { task, flights, store })
+    }
+
+    /// The logs that a shard has to do, and a summary (JSON) with what is left out.
+    fn plan(&self, logs: Vec<Log>, shard: &str) -> PyResult<(Vec<Log>, String)> {
+        let shard: Shard = shard.parse().map_err(raise)?;
+        let (work, summary) = run::plan(logs.into_iter().map(hashed).collect(), &self.task, shard);
+        let work = work.into_iter().map(log).collect::<PyResult<_>>()?;
+        Ok((work, serde_json::to_string(&summary).map_err(raise)?))
+    }
+
+    /// Does one log, whose content is in `file`: `None` where the store has it, else the number of rows and whether it was
+    /// refused.
+    fn one(&self, py: Python<'_>, log: Log, file: PathBuf) -> PyResult<Option<(usize, bool)>> {
+        let log = hashed(log);
+        let outcome = py.detach(|| run::one(&log, &file, &self.task, &self.flights, &self.store)).map_err(raise)?;
+        Ok(match outcome {
+            Outcome::Found => None,
+            Outcome::Estimated { rows, refused } => Some((rows, refused)),
+        })
+    }
+
+    /// Does all files on this machine; a summary (JSON). `progress` is called with the fraction done.
+    #[pyo3(signature = (files, shard, workers, progress=None))]
+    fn run(
+        &self,
+        py: Python<'_>,
+        files: Vec<PathBuf>,
+        shard: &str,
+        workers: usize,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<String> {
+        let share = Share { workers, shard: shard.parse().map_err(raise)? };
+        let stop = AtomicBool::new(false);
+        let step = |at: run::Progress| {
+            // Ctrl-C, and an error of the progress bar, end the run after the logs that have begun.
+            let is_stopped = Python::attach(|py| {
+                let told = progress.as_ref().map(|progress| progress.call1(py, (at.done as f64 / at.all as f64,)));
+                py.check_signals().is_err() || told.is_some_and(|told| told.is_err())
+            });
+            stop.fetch_or(is_stopped, std::sync::atomic::Ordering::Relaxed);
+        };
+        let summary: Summary = py
+            .detach(|| run::run(&files, &self.task, &self.flights, &self.store, share, &step, &stop))
+            .map_err(raise)?;
+        serde_json::to_string(&summary).map_err(raise)
+    }
+}
+
+/// The files that words mean, in the order of their paths.
+#[pyfunction]
+pub(crate) fn fleet_files(words: Vec<String>) -> PyResult<Vec<String>> {
+    source::files(&words).map_err(raise)?.into_iter().map(text).collect()
+}
+
+/// Hash of a file, under a name.
+#[pyfunction]
+pub(crate) fn fleet_hash(py: Python<'_>, name: PathBuf, file: PathBuf) -> PyResult<Log> {
+    log(Hashed { name, ..py.detach(|| Hashed::of(&file)) })
+}
+
+/// Name and text of a model: a file, or a built-in one.
+#[pyfunction]
+pub(crate) fn fleet_model(wanted: &str) -> PyResult<(String, String)> {
+    ModelFile::find_text(wanted).map_err(raise)
+}
+
+/// What a store tells, as JSON, and as a page.
+#[pyfunction]
+#[pyo3(signature = (store, false_discoveries=0.05, only=Vec::new(), over="flights"))]
+pub(crate) fn fleet_tell(
+    store: PathBuf,
+    false_discoveries: f64,
+    only: Vec<String>,
+    over: &str,
+) -> PyResult<(String, String)> {
+    let over = match over {
+        "flights" => Over::Flights,
+        "hours" => Over::Hours,
+        other => return Err(raise(format!("a course runs over \"flights\" or \"hours\", not \"{other}\""))),
+    };
+    let store = Store::open(Path::new(&store)).map_err(raise)?;
+    let question = Question { false_discoveries, only, over };
+    let findings = tell(&store.rows().map_err(raise)?, &store.logs().map_err(raise)?, &question).map_err(raise)?;
+    Ok((serde_json::to_string(&findings).map_err(raise)?, phugoid_fleet::page::html(&findings)))
+}

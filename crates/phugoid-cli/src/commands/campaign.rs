@@ -1,0 +1,96 @@
+//! `phugoid campaign`.
+
+use std::collections::HashSet;
+use std::sync::atomic::AtomicBool;
+
+use phugoid_fleet::campaign::file::Campaign;
+use phugoid_fleet::campaign::run::run as run_campaign;
+use phugoid_fleet::campaign::score::{Score, scores};
+use phugoid_fleet::run::{Share, Summary};
+use phugoid_fleet::store::Store;
+use serde::Serialize;
+
+use super::fleet::Bar;
+use crate::arguments;
+use crate::failure::Failure;
+use crate::output::{Table, deliver, significant};
+
+/// The result as a document.
+#[derive(Serialize)]
+struct Document {
+    name: String,
+    summary: Summary,
+    scores: Vec<Score>,
+}
+
+pub(crate) fn run(arguments: &arguments::Campaign) -> Result<(), Failure> {
+    let campaign = Campaign::open(&arguments.file).map_err(Failure::input)?;
+    let units = campaign.units().map_err(Failure::input)?;
+    let store = Store::create(&arguments.store)?;
+    let share = Share { workers: arguments.workers.map_or(0, usize::from), shard: arguments.shard };
+    let bar = Bar::new("flights");
+    let summary = run_campaign(&units, &store, share, &|progress| bar.set(progress), &AtomicBool::new(false))?;
+    drop(bar);
+    // The store may hold other campaigns: only what this one asks for is scored, by whichever shard it was flown.
+    let keys: HashSet<String> = units.iter().map(|unit| unit.key()).collect();
+    let rows: Vec<_> = store.rows()?.into_iter().filter(|row| keys.contains(&row.key)).collect();
+    let document = Document { name: campaign.name, summary, scores: scores(&rows) };
+    deliver(&document, arguments.delivery.json, arguments.delivery.out.as_deref(), || text(&document, &store))
+}
+
+fn text(document: &Document, store: &Store) -> String {
+    let s = &document.summary;
+    let mut table = Table::with_words(
+        &[
+            "scenario",
+            "model",
+            "method",
+            "parameter",
+            "flights",
+            "refused",
+            "rmse",
+            "error",
+            "after",
+            "covered",
+            "95 %",
+        ],
+        &[0, 1, 2, 3],
+    );
+    for score in &document.scores {
+        table.row([
+            score.scenario.clone(),
+            score.model.clone(),
+            score.method.clone(),
+            score.parameter.clone(),
+            score.estimations.to_string(),
+            score.refused.to_string(),
+            significant(score.rmse, 3),
+            percent(score.median_error),
+            if score.converged_s.is_finite() {
+                format!("{} s", significant(score.converged_s, 3))
+            } else {
+                "-".to_owned()
+            },
+            percent(score.coverage),
+            format!("{} to {}", percent(score.interval[0]), percent(score.interval[1])),
+        ]);
+    }
+    format!(
+        "{}\n{} estimations asked for: {} made ({} of them refused), {} in the store before, {} of other shards\n{} rows \
+         written to {}\n\n{}Error: median, as a part of the truth. After: median time from which on the estimate stays near \
+         its end.\nCovered: truth within two standard errors.\n",
+        document.name,
+        s.files,
+        s.estimated,
+        s.refused,
+        s.found,
+        s.of_others,
+        s.rows,
+        store.folder().display(),
+        table.render()
+    )
+}
+
+fn percent(part: f64) -> String {
+    if part.is_finite() { format!("{} %", significant(100.0 * part, 3)) } else { "-".to_owned() }
+}

@@ -1,0 +1,59 @@
+//! `phugoid fleet --engine ray`: the Python package has the engine, and is asked to do the work.
+
+use std::io::Write as _;
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+use phugoid_fleet::run::Summary;
+use phugoid_fleet::unit::Segments;
+
+use crate::arguments::fleet::Estimating;
+use crate::failure::Failure;
+
+/// Reads what is asked for from standard input, and prints the summary as its last line.
+const PROGRAM: &str = "import json, sys, phugoid; print(json.dumps(phugoid.fleet(**json.load(sys.stdin))))";
+
+pub(super) fn run(
+    arguments: &Estimating,
+    model: &str,
+    store: &Path,
+    address: Option<&str>,
+) -> Result<Summary, Failure> {
+    let python = std::env::var_os("PHUGOID_PYTHON").unwrap_or_else(|| "python3".into());
+    let request = serde_json::json!({
+        "logs": arguments.logs,
+        "model": model,
+        "store": store,
+        "method": arguments.method.map(|method| method.name()),
+        "segments": Segments::from(arguments.segments).word(),
+        "flights": arguments.flights,
+        "engine": "ray",
+        "workers": arguments.workers.unwrap_or(0),
+        "shard": arguments.shard.to_string(),
+        "address": address,
+    });
+    let failed = |why: String| {
+        Failure::impossible(format!(
+            "--engine ray: {why}\nIt needs Python with the package: pip install \"phugoid[fleet]\". PHUGOID_PYTHON names another \
+             Python than python3."
+        ))
+    };
+    let named = python.display();
+    let mut child = Command::new(&python)
+        .args(["-c", PROGRAM])
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()
+        .map_err(|error| failed(format!("`{named}` cannot be started: {error}")))?;
+    if let Some(mut input) = child.stdin.take() {
+        // Python that ended before it had read this says why by itself.
+        let _ = input.write_all(request.to_string().as_bytes());
+    }
+    let output = child.wait_with_output().map_err(|error| failed(format!("`{named}`: {error}")))?;
+    if !output.status.success() {
+        return Err(failed(format!("`{named}` ended with {}; its message stands above", output.status)));
+    }
+    let text = String::from_utf8_lossy(&output.stdout);
+    let last = text.lines().last().unwrap_or_default();
+    serde_json::from_str(last).map_err(|error| failed(format!("`{named}` gave no summary: {error}")))
+}

@@ -1,0 +1,178 @@
+//! `phugoid fleet tell`.
+
+use std::fmt::Write as _;
+
+use phugoid_fleet::statistics::tell::{Airframe, Course, Findings, Over, Shape, tell};
+use phugoid_fleet::store::Store;
+use phugoid_flight_data::output_file;
+
+use crate::arguments::fleet::{Asking, Tell, View};
+use crate::failure::Failure;
+use crate::output::{Table, deliver, print, significant};
+
+/// More rows of means than this are left to `--json`.
+const MOST_MEANS: usize = 200;
+
+pub(super) fn run(arguments: &Tell) -> Result<(), Failure> {
+    let findings = findings(&arguments.store, &arguments.asking)?;
+    deliver(&findings, arguments.delivery.json, arguments.delivery.out.as_deref(), || text(&findings))
+}
+
+/// Writes the page.
+pub(super) fn view(arguments: &View) -> Result<(), Failure> {
+    let findings = findings(&arguments.store, &arguments.asking)?;
+    let page = phugoid_fleet::page::html(&findings);
+    output_file::write(&arguments.html, page).map_err(|e| Failure::writing_of("--html", &arguments.html, e))?;
+    print(&format!("Page: {}\n", arguments.html.display()))
+}
+
+/// What the store in a folder tells.
+pub(super) fn findings(folder: &std::path::Path, asking: &Asking) -> Result<Findings, Failure> {
+    let store = Store::open(folder)?;
+    tell(&store.rows()?, &store.logs()?, &asking.question()).map_err(Failure::input)
+}
+
+fn text(findings: &Findings) -> String {
+    let mut text = format!("{}: {} airframes, {} logs\n", findings.set, findings.airframes.len(), findings.logs);
+    if !findings.refused.is_empty() {
+        let words: Vec<String> = findings.refused.iter().map(|(word, count)| format!("{word} {count}")).collect();
+        let _ = writeln!(text, "Without numbers: {}", words.join(", "));
+    }
+    let _ = writeln!(
+        text,
+        "Findings are called so at a rate of false ones of {} %.",
+        significant(100.0 * findings.false_discoveries, 3)
+    );
+    let each = || findings.airframes.iter().flat_map(|a| a.courses.iter().map(move |course| (a, course)));
+    section(&mut text, "Drifts and steps", changes(findings));
+    section(&mut text, "Airframes apart from the others", outliers(each().filter(|(_, course)| course.is_outlier)));
+    section(&mut text, "Flights that disagree with their own airframe", flights(each()));
+    section(&mut text, "Flights within two claimed standard errors of the others", coverage(findings));
+    match each().count() {
+        count if count > MOST_MEANS => {
+            let _ = writeln!(text, "\nMeans of {count} courses: phugoid fleet tell --json");
+        }
+        _ => section(&mut text, "Means over the flights", means(each())),
+    }
+    text
+}
+
+fn section(text: &mut String, title: &str, table: Option<String>) {
+    let _ = write!(text, "\n{title}\n{}", table.unwrap_or_else(|| "  none\n".to_owned()));
+}
+
+fn changes(findings: &Findings) -> Option<String> {
+    let unit = if findings.over == Over::Hours { "hour" } else { "flight" };
+    let mut table = Table::with_words(
+        &["airframe", "parameter", "what", "size", "+- 2 sigma", "of the mean", "rate"],
+        &[0, 1, 2, 3],
+    );
+    let mut any = false;
+    for airframe in &findings.airframes {
+        for course in &airframe.courses {
+            let (what, change, per) = match (course.shape, course.drift, course.step) {
+                (Shape::Drift, Some(drift), _) => ("drift".to_owned(), drift, format!(" per {unit}")),
+                (Shape::Step, _, Some(step)) => {
+                    (format!("step at {unit} {}", significant(step.at, 4)), step, String::new())
+                }
+                _ => continue,
+            };
+            any = true;
+            table.row([
+                airframe.name.clone(),
+                course.parameter.clone(),
+                what,
+                format!("{}{per}", significant(change.size, 3)),
+                significant(2.0 * change.std_error, 3),
+                format!("{} %", significant(100.0 * change.size / course.combined.value.abs(), 3)),
+                significant(course.change_rate.unwrap_or(f64::NAN), 2),
+            ]);
+        }
+    }
+    any.then(|| table.render())
+}
+
+fn outliers<'a>(courses: impl Iterator<Item = (&'a Airframe, &'a Course)>) -> Option<String> {
+    let mut table = Table::with_words(&["airframe", "parameter", "distance", "sigmas", "rate"], &[0, 1]);
+    let mut any = false;
+    for (airframe, course) in courses {
+        let Some(apart) = course.apart else { continue };
+        any = true;
+        table.row([
+            airframe.name.clone(),
+            course.parameter.clone(),
+            significant(apart.distance, 3),
+            format!("{:+.1}", apart.sigmas),
+            significant(course.apart_rate.unwrap_or(f64::NAN), 2),
+        ]);
+    }
+    any.then(|| table.render())
+}
+
+fn flights<'a>(courses: impl Iterator<Item = (&'a Airframe, &'a Course)>) -> Option<String> {
+    let mut table = Table::with_words(&["airframe", "parameter", "log", "segment", "estimate", "sigmas"], &[0, 1, 2]);
+    let mut any = false;
+    for (airframe, course) in courses {
+        for point in course.points.iter().filter(|point| point.disagrees) {
+            any = true;
+            table.row([
+                airframe.name.clone(),
+                course.parameter.clone(),
+                point.path.clone(),
+                point.segment.to_string(),
+                significant(point.value, 5),
+                format!("{:+.1}", point.sigmas.unwrap_or(f64::NAN)),
+            ]);
+        }
+    }
+    any.then(|| table.render())
+}
+
+fn coverage(findings: &Findings) -> Option<String> {
+    let mut table = Table::new(&["parameter", "within", "of", "part", "95 %"]);
+    for c in &findings.coverage {
+        table.row([
+            c.parameter.clone(),
+            c.within.to_string(),
+            c.of.to_string(),
+            format!("{:.1} %", 100.0 * c.within as f64 / c.of as f64),
+            format!("{:.1} to {:.1} %", 100.0 * c.interval[0], 100.0 * c.interval[1]),
+        ]);
+    }
+    (!findings.coverage.is_empty()).then(|| table.render())
+}
+
+fn means<'a>(courses: impl Iterator<Item = (&'a Airframe, &'a Course)>) -> Option<String> {
+    let head = [
+        "airframe",
+        "parameter",
+        "mean",
+        "+- 2 sigma",
+        "random",
+        "airframe's",
+        "fleet's",
+        "scatter",
+        "estimates",
+        "left out",
+    ];
+    let mut table = Table::with_words(&head, &[0, 1]);
+    let mut any = false;
+    for (airframe, course) in courses {
+        any = true;
+        let c = &course.combined;
+        let doubled = |std: f64| significant(2.0 * std, 3);
+        table.row([
+            airframe.name.clone(),
+            course.parameter.clone(),
+            significant(c.value, 5),
+            doubled(c.std_error),
+            doubled(c.random_std),
+            doubled(c.airframe_std),
+            doubled(c.fleet_std),
+            significant(c.dispersion, 3),
+            course.points.len().to_string(),
+            course.left_out.to_string(),
+        ]);
+    }
+    any.then(|| table.render())
+}

@@ -1,0 +1,284 @@
+//! A fleet: killed and started again, in shards, on one thread and on two, the store is the same to the last bit.
+#![cfg(feature = "fleet")]
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use phugoid_fleet::simulated::{Drift, SimulatedFleet};
+use phugoid_flight_data::csv;
+
+use crate::common::{Folder, phugoid};
+
+const AIRFRAMES: usize = 3;
+const FLIGHTS: usize = 4;
+
+/// A drift of ten percent in four flights, which cannot be overlooked.
+fn drifting() -> SimulatedFleet {
+    let drift = Drift { airframe: 2, parameter: "Cm_alpha".to_owned(), part_per_flight: 0.1 };
+    SimulatedFleet { seed: 5, sensor_scale: 0.01, sample_rate_hz: 25.0, manoeuvres: 1, drifts: vec![drift] }
+}
+
+/// Twelve flights, a copy of one of them, a flight in which nothing moves, and a file that is no flight.
+fn logs(folder: &Path) {
+    let fleet = drifting();
+    for airframe in 0..AIRFRAMES {
+        for flight in 0..FLIGHTS {
+            let path = folder.join(format!("logs/{airframe}/{flight}.csv"));
+            fs::create_dir_all(path.parent().unwrap()).unwrap();
+            csv::write_path(&fleet.record(airframe, flight).unwrap(), &path).unwrap();
+        }
+    }
+    fs::copy(folder.join("logs/0/0.csv"), folder.join("logs/0/copy.csv")).unwrap();
+    fs::write(folder.join("logs/0/broken.csv"), "this is no flight\n1\n").unwrap();
+    let still: String = (0..200).map(|k| format!("{},0.1,100,1\n", 0.1 * f64::from(k))).collect();
+    fs::write(folder.join("logs/0/still.csv"), format!("time_s,elevator_deg,true_airspeed_m_s,alpha_deg\n{still}"))
+        .unwrap();
+}
+
+fn fleet(folder: &Path, store: &str, further: &[&str]) -> serde_json::Value {
+    let arguments = ["fleet", "logs", "--model", "hfb320", "--store", store, "--json"];
+    phugoid(folder, &[&arguments, further].concat()).json()
+}
+
+/// Every file of a store with its content.
+fn content(store: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    let mut files = BTreeMap::new();
+    let mut folders = vec![store.to_owned()];
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if !path.file_name().unwrap().to_string_lossy().starts_with(".phugoid-") {
+                files.insert(path.strip_prefix(store).unwrap().to_owned(), fs::read(&path).unwrap());
+            }
+        }
+    }
+    files
+}
+
+#[test]
+fn a_run_that_is_killed_again_and_again_ends_like_an_undisturbed_one() {
+    let folder = Folder::new("fleet-kill");
+    logs(&folder.0);
+    let begun = Instant::now();
+    let whole = fleet(&folder.0, "whole", &["--workers", "1"]);
+    let lasted = begun.elapsed();
+    assert_eq!((&whole["estimated"], &whole["refused"], &whole["copies"]), (&14.into(), &2.into(), &1.into()));
+    // Killed at times that cover the whole run, whatever its length, until it has nothing left to do.
+    let mut kills = 0;
+    for attempt in 0.. {
+        assert!(attempt < 60, "no end after {attempt} starts");
+        let mut child = Command::new(env!("CARGO_BIN_EXE_phugoid"))
+            .current_dir(&folder.0)
+            .args(["fleet", "logs", "--model", "hfb320", "--store", "killed", "--workers", "2"])
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        // A part of the run between 5 % and 45 %, another one each time.
+        let part = 0.05 + 0.4 * (f64::from(attempt) * 0.618_034).fract();
+        std::thread::sleep(Duration::from_secs_f64(lasted.as_secs_f64() * part));
+        if child.try_wait().unwrap().is_some() {
+            break;
+        }
+        child.kill().unwrap();
+        child.wait().unwrap();
+        kills += 1;
+    }
+    assert!(kills >= 2, "killed {kills} times only");
+    assert_eq!(content(&folder.0.join("killed")), content(&folder.0.join("whole")));
+    leave(&folder.0.join("killed"), "fleet");
+    // Nothing is done a second time.
+    let again = fleet(&folder.0, "killed", &[]);
+    assert_eq!((&again["estimated"], &again["found"], &again["rows"]), (&0.into(), &14.into(), &0.into()));
+}
+
+/// Leaves a store for scripts/check-fleet.sh, which asks it questions.
+fn leave(store: &Path, name: &str) {
+    let Some(place) = std::env::var_os("PHUGOID_FLEET_STORES") else { return };
+    for (file, bytes) in content(store) {
+        let target = Path::new(&place).join(name).join(file);
+        fs::create_dir_all(target.parent().unwrap()).unwrap();
+        fs::write(target, bytes).unwrap();
+    }
+}
+
+#[test]
+fn shards_threads_and_what_is_added_later_give_the_same_store() {
+    let folder = Folder::new("fleet-shards");
+    logs(&folder.0);
+    fs::rename(folder.0.join("logs/2"), folder.0.join("later")).unwrap();
+    fleet(&folder.0, "whole", &["--workers", "2"]);
+    let mut of_shards = 0;
+    for shard in ["3/3", "1/3", "2/3"] {
+        of_shards += fleet(&folder.0, "shards", &["--shard", shard])["estimated"].as_u64().unwrap();
+    }
+    assert_eq!(of_shards, 10);
+    assert_eq!(content(&folder.0.join("shards")), content(&folder.0.join("whole")));
+    let before = content(&folder.0.join("whole"));
+    fs::rename(folder.0.join("later"), folder.0.join("logs/2")).unwrap();
+    let added = fleet(&folder.0, "whole", &[]);
+    assert_eq!((&added["estimated"], &added["found"]), (&4.into(), &10.into()));
+    let after = content(&folder.0.join("whole"));
+    assert!(before.iter().all(|(file, bytes)| after.get(file) == Some(bytes)));
+}
+
+#[test]
+fn mistakes_are_told_before_anything_is_estimated() {
+    let folder = Folder::new("fleet-mistakes");
+    logs(&folder.0);
+    let run = |arguments: &[&str]| phugoid(&folder.0, &[&["fleet"], arguments].concat());
+    assert!(run(&["nowhere", "--model", "hfb320", "--store", "s"]).fails(3).contains("`nowhere`"));
+    assert!(run(&["s3://b/x", "--model", "hfb320", "--store", "s"]).fails(3).contains("object store"));
+    assert!(run(&["logs", "--model", "hfb", "--store", "s"]).fails(3).contains("hfb320"));
+    assert!(run(&["logs", "--model", "hfb320", "--store", "logs"]).fails(4).contains("no store"));
+    let run = Command::new(env!("CARGO_BIN_EXE_phugoid"))
+        .current_dir(&folder.0)
+        .env("PHUGOID_PYTHON", "no-such-python")
+        .args(["fleet", "logs", "--model", "hfb320", "--store", "s", "--engine", "ray"])
+        .output()
+        .unwrap();
+    assert_eq!(run.status.code(), Some(1));
+    assert!(String::from_utf8(run.stderr).unwrap().contains("no-such-python"));
+    assert_eq!(
+        phugoid(&folder.0, &["fleet", "logs", "--model", "hfb320", "--store", "s", "--engine", "spark"]).code,
+        Some(2)
+    );
+    assert!(!folder.0.join("s").exists());
+}
+
+/// Ten flights of each of four airframes, of which the third one drifts by five percent in each flight, and sensors with
+/// scale errors of one and a half percent.
+#[test]
+fn the_drift_of_one_airframe_is_found_and_no_other() {
+    let folder = Folder::new("fleet-drift");
+    let drift = Drift { airframe: 2, parameter: "Cm_alpha".to_owned(), part_per_flight: 0.05 };
+    let made =
+        SimulatedFleet { seed: 11, sensor_scale: 0.015, sample_rate_hz: 25.0, manoeuvres: 1, drifts: vec![drift] };
+    let mut table = "log,airframe,flight,hours\n".to_owned();
+    for airframe in 0..4 {
+        for flight in 0..10 {
+            let name = format!("logs/{airframe}-{flight}.csv");
+            fs::create_dir_all(folder.0.join("logs")).unwrap();
+            csv::write_path(&made.record(airframe, flight).unwrap(), &folder.0.join(&name)).unwrap();
+            table.push_str(&format!("{name},N{airframe},{},{}\n", flight + 1, 2 * flight));
+        }
+    }
+    folder.file("flights.csv", &table);
+    fleet(&folder.0, "store", &["--flights", "flights.csv"]);
+    let told = phugoid(&folder.0, &["fleet", "tell", "store", "--json"]).json();
+    let courses: Vec<_> = told["airframes"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .flat_map(|a| a["courses"].as_array().unwrap().iter().map(move |course| (a["name"].clone(), course)))
+        .collect();
+    assert!(courses.len() >= 4 * 4, "{}", courses.len());
+    let changed: Vec<String> = courses
+        .iter()
+        .filter(|(_, course)| course["shape"] != "steady")
+        .map(|(name, course)| format!("{name} {} {}", course["parameter"], course["shape"]))
+        .collect();
+    let (_, drifting) = courses.iter().find(|(name, c)| name == "N2" && c["parameter"] == "Cm_alpha").unwrap();
+    assert_eq!(changed, ["\"N2\" \"Cm_alpha\" \"drift\""], "{drifting:#}");
+    let [size, std_error] = ["size", "std_error"].map(|key| drifting["drift"][key].as_f64().unwrap());
+    assert!((size + 0.05 * 0.4986).abs() < 3.0 * std_error, "{size} +- {std_error}");
+    // Means are no better than what the sensors of an airframe allow.
+    let combined = &drifting["combined"];
+    assert!(combined["airframe_std"].as_f64() > combined["random_std"].as_f64());
+    // Over hours the slope is half as large; a page leads from each point to its flight.
+    let over_hours = phugoid(&folder.0, &["fleet", "tell", "store", "--over", "hours"]);
+    assert!(over_hours.out.contains("per hour") && over_hours.out.contains("N2"), "{}", over_hours.out);
+    let page = phugoid(&folder.0, &["fleet", "view", "store", "--html", "fleet.html"]);
+    assert_eq!(page.code, Some(0), "{}", page.err);
+    let page = folder.read("fleet.html");
+    assert!(page.contains("logs/2-9.csv") && page.contains("drift"));
+    let mistaken = phugoid(&folder.0, &["fleet", "tell", "store", "--only", "ekf"]);
+    assert!(mistaken.fails(3).contains("ekf"));
+}
+
+const CAMPAIGN: &str = r#"
+name = "a small campaign"
+scenarios = ["small.toml"]
+models = ["hfb320"]
+methods = ["smpe", "ekf"]
+seeds = 1
+[[vary]]
+in = "scenario"
+path = "sensors.alpha.noise"
+values = [0.05, 0.2]
+unit = "deg"
+[[vary]]
+in = "model"
+path = "parameters.Cm_q.prior_std"
+from = 25.8
+to = 258.0
+log = true
+steps = 2
+"#;
+
+const SMALL: &str = r#"
+name = "short"
+duration = "8 s"
+sample_rate = "25 Hz"
+[aircraft]
+file = "hfb320"
+[condition]
+altitude = "4300 m"
+speed = "104.67 m/s"
+[[manoeuvre]]
+type = "3-2-1-1"
+surface = "elevator"
+start = "1 s"
+unit = "0.7 s"
+amplitude = "0.8 deg"
+[sensors]
+alpha = { noise = "0.057 deg" }
+q = { noise = "0.033 deg/s" }
+qdot = { noise = "0.32 deg/s^2" }
+"#;
+
+#[test]
+fn a_campaign_is_flown_once_scored_and_grows() {
+    let folder = Folder::new("fleet-campaign");
+    folder.file("small.toml", SMALL);
+    folder.file("c.toml", CAMPAIGN);
+    let run = |store: &str, further: &[&str]| {
+        phugoid(&folder.0, &[&["campaign", "c.toml", "--store", store, "--json"], further].concat()).json()
+    };
+    let whole = run("study", &[]);
+    assert_eq!((&whole["summary"]["estimated"], &whole["summary"]["refused"]), (&8.into(), &0.into()));
+    let scores = whole["scores"].as_array().unwrap();
+    let score = |method: &str| {
+        scores.iter().find(|s| s["method"] == method && s["parameter"] == "Cm_elevator").unwrap().clone()
+    };
+    for method in ["smpe", "ekf"] {
+        let score = score(method);
+        assert_eq!(score["estimations"], 4);
+        assert!(score["median_error"].as_f64().unwrap() < 0.2, "{score}");
+    }
+    // In shards the store is the same; a second run finds all of it.
+    run("shards", &["--shard", "2/2", "--workers", "1"]);
+    assert_eq!(run("shards", &["--shard", "1/2"])["scores"], whole["scores"]);
+    assert_eq!(content(&folder.0.join("shards")), content(&folder.0.join("study")));
+    assert_eq!(run("study", &[])["summary"]["found"], 8);
+    leave(&folder.0.join("study"), "study");
+    // Another value of a factor flies what is new alone.
+    folder.file("c.toml", &CAMPAIGN.replace("values = [0.05, 0.2]", "values = [0.05, 0.1, 0.2]"));
+    let grown = run("study", &[]);
+    assert_eq!((&grown["summary"]["found"], &grown["summary"]["estimated"]), (&8.into(), &4.into()));
+    // The scenario that a file names counts by its content.
+    folder.file("small.toml", &SMALL.replace("8 s", "9 s"));
+    assert_eq!(run("study", &[])["summary"]["found"], 0);
+    // A key that means nothing is a row with its reason, and a path that leads nowhere is told at once.
+    folder.file("c.toml", &CAMPAIGN.replace("sensors.alpha.noise", "sensors.alhpa.noise"));
+    let refused = run("wrong", &[]);
+    assert_eq!((&refused["summary"]["refused"], &refused["summary"]["estimated"]), (&8.into(), &8.into()));
+    folder.file("c.toml", &CAMPAIGN.replace("sensors.alpha.noise", "name.alpha"));
+    let run = phugoid(&folder.0, &["campaign", "c.toml", "--store", "wrong"]);
+    assert!(run.fails(3).contains("`name.alpha`"));
+}

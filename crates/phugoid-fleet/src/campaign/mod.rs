@@ -1,0 +1,11 @@
+//! Campaigns: many simulated flights of which something is varied, estimated by several methods, kept in the same store as
+//! logs and scored against the truth.
+
+pub mod design;
+pub mod file;
+#[cfg(feature = "parquet")]
+pub mod run;
+pub mod score;
+mod sobol;
+pub mod unit;
+pub mod vary;

@@ -1,0 +1,254 @@
+//! What a fleet tells as one page: a row for each course with its sparkline, sortable, each point leading to its flight. The
+//! page needs no network.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+
+use crate::statistics::tell::{Course, Findings, Over, Point, Shape};
+
+/// Size of a sparkline, pixels.
+const WIDTH: f64 = 240.0;
+const HEIGHT: f64 = 36.0;
+
+const STYLE: &str = "body{font:14px system-ui,sans-serif;margin:2em;color:#222}table{border-collapse:collapse}\
+th,td{padding:.25em .7em;text-align:right;border-bottom:1px solid #ddd}th{cursor:pointer;background:#f4f4f4}\
+td.w,th.w{text-align:left}tr.found td{background:#fff3e0}.bad{fill:#d32f2f}.ok{fill:#1565c0}\
+svg{vertical-align:middle}:target{background:#ffff8d}.note{color:#666}";
+
+/// Sorts a table by the column that is clicked: by the number in `data-v` where there is one, else by the text.
+const SCRIPT: &str = "document.querySelectorAll('th').forEach(h=>h.addEventListener('click',()=>{\
+const t=h.closest('table'),i=[...h.parentNode.children].indexOf(h),d=h.dataset.d=h.dataset.d==='1'?'-1':'1';\
+const v=r=>{const c=r.children[i];return c.dataset.v!==undefined?parseFloat(c.dataset.v):c.textContent};\
+const b=t.tBodies[0];[...b.rows].sort((a,c)=>{const x=v(a),y=v(c);return d*(typeof x==='number'?\
+(isNaN(x)?1:isNaN(y)?-1:x-y):String(x).localeCompare(y))}).forEach(r=>b.append(r))}));";
+
+/// The page, HTML. Numbers are in the units of the parameters.
+pub fn html(findings: &Findings) -> String {
+    let mut page = format!(
+        "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Fleet: {0}</title><style>{STYLE}</style></head>\n\
+         <body><h1>Fleet: {0}</h1>\n<p class=\"note\">{1} airframes, {2} logs; {3}, by Phugoid</p>\n\
+         <p>Findings are called so at a rate of false ones of {4} %. Bars are two standard errors of a single flight, the band that \
+         of the mean with all that the flights share. Click a head to sort, a point for its flight.</p>\n",
+        escaped(&findings.set.model),
+        findings.airframes.len(),
+        findings.logs,
+        escaped(&findings.set.to_string()),
+        100.0 * findings.false_discoveries,
+    );
+    let mut numbers = BTreeMap::new();
+    for point in findings.airframes.iter().flat_map(|a| &a.courses).flat_map(|course| &course.points) {
+        let next = numbers.len() + 1;
+        numbers.entry(point.log_sha256.as_str()).or_insert(next);
+    }
+    page.push_str(
+        "<table><thead><tr><th class=\"w\">airframe</th><th class=\"w\">parameter</th><th>mean</th><th>+- 2 sigma</th>\
+         <th>estimates</th><th class=\"w\">course</th><th class=\"w\">what</th><th>rate</th><th>from the others, sigmas</th>\
+         <th>flights that disagree</th></tr></thead><tbody>\n",
+    );
+    for airframe in &findings.airframes {
+        for course in &airframe.courses {
+            row(&mut page, &airframe.name, course, findings.over, &numbers);
+        }
+    }
+    page.push_str(
+        "</tbody></table>\n<h2>Flights</h2>\n<table><thead><tr><th>no.</th><th class=\"w\">airframe</th>\
+                   <th class=\"w\">log</th><th class=\"w\">estimates</th></tr></thead><tbody>\n",
+    );
+    flights(&mut page, findings, &numbers);
+    let _ = write!(page, "</tbody></table>\n<script>{SCRIPT}</script></body></html>\n");
+    page
+}
+
+fn row(page: &mut String, airframe: &str, course: &Course, over: Over, numbers: &BTreeMap<&str, usize>) {
+    let unit = if over == Over::Hours { "hour" } else { "flight" };
+    let what = match (course.shape, course.drift, course.step) {
+        (Shape::Drift, Some(drift), _) => {
+            let part = 100.0 * drift.size / course.combined.value.abs();
+            format!("drift {} per {unit} ({} %)", short(drift.size), short(part))
+        }
+        (Shape::Step, _, Some(step)) => format!("step {} at {unit} {}", short(step.size), short(step.at)),
+        (Shape::TooFew, ..) => "too few".to_owned(),
+        _ => "steady".to_owned(),
+    };
+    let disagree = course.points.iter().filter(|point| point.disagrees).count();
+    let found = course.is_outlier || disagree > 0 || matches!(course.shape, Shape::Drift | Shape::Step);
+    let apart = course.apart.map_or(f64::NAN, |apart| apart.sigmas);
+    let rate = course.change_rate.unwrap_or(f64::NAN);
+    let _ = writeln!(
+        page,
+        "<tr{}><td class=\"w\">{}</td><td class=\"w\">{}</td>{}{}{}<td class=\"w\" data-v=\"{}\">{}</td>\
+         <td class=\"w\">{what}</td>{}{}{}</tr>",
+        if found { " class=\"found\"" } else { "" },
+        escaped(airframe),
+        escaped(&course.parameter),
+        number(course.combined.value),
+        number(2.0 * course.combined.std_error),
+        number(course.points.len() as f64),
+        course.points.len(),
+        sparkline(course, numbers),
+        number(rate),
+        number(apart),
+        number(disagree as f64),
+    );
+}
+
+fn sparkline(course: &Course, numbers: &BTreeMap<&str, usize>) -> String {
+    let of = |place: &dyn Fn(&Point) -> f64| course.points.iter().map(place).collect::<Vec<f64>>();
+    let range = |values: &[f64]| {
+        let (low, high) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
+        if high > low { (low, high) } else { (low - 0.5, low + 0.5) }
+    };
+    let (first, last) = range(&of(&|p| p.at));
+    let (mean, bound) = (course.combined.value, 2.0 * course.combined.std_error);
+    let mut ends = [of(&|p| p.value - 2.0 * p.own_std), of(&|p| p.value + 2.0 * p.own_std)].concat();
+    ends.extend([mean - bound, mean + bound]);
+    let (low, high) = range(&ends);
+    let x = |at: f64| 3.0 + (WIDTH - 6.0) * (at - first) / (last - first);
+    let y = |value: f64| HEIGHT - 2.0 - (HEIGHT - 4.0) * (value - low) / (high - low);
+    let mut svg = format!(
+        "<svg width=\"{WIDTH}\" height=\"{HEIGHT}\"><rect x=\"0\" width=\"{WIDTH}\" y=\"{:.1}\" height=\"{:.1}\" \
+         fill=\"#e3f2fd\"/><path d=\"M0 {:.1}H{WIDTH}\" stroke=\"#90caf9\"/>",
+        y(mean + bound),
+        y(mean - bound) - y(mean + bound),
+        y(mean),
+    );
+    for point in &course.points {
+        let _ = write!(
+            svg,
+            "<a href=\"#f{}\"><path d=\"M{2:.1} {3:.1}V{4:.1}\" stroke=\"#bbb\"/><circle class=\"{1}\" cx=\"{2:.1}\" \
+             cy=\"{5:.1}\" r=\"2\"><title>{6}, segment {7}: {8} +- {9}</title></circle></a>",
+            numbers.get(point.log_sha256.as_str()).copied().unwrap_or(0),
+            if point.disagrees { "bad" } else { "ok" },
+            x(point.at),
+            y(point.value - 2.0 * point.own_std),
+            y(point.value + 2.0 * point.own_std),
+            y(point.value),
+            escaped(&point.path),
+            point.segment,
+            short(point.value),
+            short(2.0 * point.std_error),
+        );
+    }
+    svg + "</svg>"
+}
+
+fn flights(page: &mut String, findings: &Findings, numbers: &BTreeMap<&str, usize>) {
+    let mut logs: BTreeMap<usize, (&str, &Point, Vec<String>)> = BTreeMap::new();
+    for airframe in &findings.airframes {
+        for course in &airframe.courses {
+            for point in &course.points {
+                let number = numbers.get(point.log_sha256.as_str()).copied().unwrap_or(0);
+                let (_, _, estimates) = logs.entry(number).or_insert((&airframe.name, point, Vec::new()));
+                let disagrees = if point.disagrees { ", disagrees" } else { "" };
+                estimates.push(format!(
+                    "{} {} +- {} (segment {}{disagrees})",
+                    course.parameter,
+                    short(point.value),
+                    short(2.0 * point.std_error),
+                    point.segment
+                ));
+            }
+        }
+    }
+    for (number, (airframe, point, estimates)) in logs {
+        let _ = writeln!(
+            page,
+            "<tr id=\"f{number}\"><td>{number}</td><td class=\"w\">{}</td><td class=\"w\"><a href=\"{1}\">{1}</a></td>\
+             <td class=\"w\">{2}</td></tr>",
+            escaped(airframe),
+            escaped(&point.path),
+            escaped(&estimates.join("; ")),
+        );
+    }
+}
+
+/// A cell with a number, which sorts by its value. What is not finite is an empty cell.
+fn number(value: f64) -> String {
+    let text = if value.is_finite() { short(value) } else { String::new() };
+    format!("<td data-v=\"{value}\">{text}</td>")
+}
+
+/// A number with four digits.
+fn short(value: f64) -> String {
+    match value.abs() {
+        size if size == 0.0 || (1e-3..1e5).contains(&size) => {
+            let before = if size > 0.0 { libm::floor(libm::log10(size)) as i32 } else { 0 };
+            let text = format!("{value:.*}", (3 - before).max(0) as usize);
+            match text.contains('.') {
+                true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+                false => text,
+            }
+        }
+        _ => format!("{value:.2e}"),
+    }
+}
+
+/// Text without what HTML would take for a command.
+fn escaped(text: &str) -> String {
+    text.chars().fold(String::with_capacity(text.len()), |mut escaped, letter| {
+        match letter {
+            '&' => escaped.push_str("&amp;"),
+            '<' => escaped.push_str("&lt;"),
+            '>' => escaped.push_str("&gt;"),
+            '"' => escaped.push_str("&quot;"),
+            '\'' => escaped.push_str("&#39;"),
+            letter if letter.is_control() => escaped.push(' '),
+            letter => escaped.push(letter),
+        }
+        escaped
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::logs::LogRow;
+    use crate::row::Row;
+    use crate::statistics::tell::{Question, tell};
+
+    #[test]
+    fn every_course_has_a_row_and_every_point_leads_to_its_flight() {
+        let mut rows = Vec::new();
+        let mut logs = Vec::new();
+        for flight in 0..8_u8 {
+            let hash = format!("{flight:064}");
+            let value = if flight == 6 { -0.9 } else { -0.5 + 0.001 * f64::from(flight % 3) };
+            rows.push(Row {
+                kind: "log".to_owned(),
+                source_sha256: Some(hash.clone()),
+                model: "jet <b>".to_owned(),
+                status: "sound".to_owned(),
+                segment: Some(1),
+                parameter: Some("Cm_alpha".to_owned()),
+                parameter_status: Some("converged".to_owned()),
+                value: Some(value),
+                std_error: Some(0.02),
+                random_std: Some(0.002),
+                ..Row::default()
+            });
+            let path = format!("logs/a&b/{flight}.csv");
+            logs.push(LogRow { log_sha256: hash, path, airframe: "a&b".to_owned(), ..LogRow::default() });
+        }
+        let findings = tell(&rows, &logs, &Question::default()).unwrap();
+        let page = html(&findings);
+        assert_eq!(page.matches("<circle").count(), 8);
+        assert_eq!(page.matches("class=\"bad\"").count(), 1);
+        assert!((1..=8).all(|k| page.contains(&format!("href=\"#f{k}\"")) && page.contains(&format!("id=\"f{k}\""))));
+        assert!(
+            page.contains("a&amp;b")
+                && page.contains("jet &lt;b&gt;")
+                && !page.contains("<b>")
+                && !page.contains("a&b/")
+        );
+        assert!(!page.contains("http"));
+    }
+
+    #[test]
+    fn numbers_are_short() {
+        for (value, text) in
+            [(-0.49858, "-0.4986"), (12.0, "12"), (0.0, "0"), (1.5e-7, "1.50e-7"), (1234.5, "1234"), (100.0, "100")]
+        {
+            assert_eq!(short(value), text);
+        }
+    }
+}

@@ -1,0 +1,221 @@
+//! Runs the units of work that a store does not have yet, on as many threads as wanted.
+
+use std::collections::HashSet;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+use phugoid_identification::stack::STACK_BYTES;
+use rayon::prelude::*;
+use rayon::{ThreadPool, ThreadPoolBuilder};
+
+use crate::key::hash_file;
+use crate::logs::FlightTable;
+use crate::row::{Refusal, Row};
+use crate::shard::Shard;
+use crate::store::{Store, StoreError};
+use crate::unit::Task;
+
+/// How the work is shared out. Nothing here changes a row.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Share {
+    /// Number of threads; 0 for one per core. Each holds one log in memory.
+    pub workers: usize,
+    /// The part of the logs that this process takes.
+    pub shard: Shard,
+}
+
+/// How far a run has come.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Progress {
+    /// Units that are done, those found done included.
+    pub done: usize,
+    /// Units in all, as far as they are known.
+    pub all: usize,
+    /// Units that were done before this run.
+    pub found: usize,
+}
+
+/// What a run has done.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub struct Summary {
+    /// Files that were looked at.
+    pub files: usize,
+    /// Files with the content of another one, which are not estimated twice.
+    pub copies: usize,
+    /// Logs of other shards.
+    pub of_others: usize,
+    /// Logs that were in the store already.
+    pub found: usize,
+    /// Logs that were estimated.
+    pub estimated: usize,
+    /// Of those, logs without any numbers.
+    pub refused: usize,
+    /// Rows that were written.
+    pub rows: usize,
+    /// Logs that were left, because the run was stopped.
+    pub left: usize,
+}
+
+/// Why a run ends.
+#[derive(Debug, thiserror::Error)]
+pub enum RunError {
+    /// The store cannot be written.
+    #[error(transparent)]
+    Store(#[from] StoreError),
+    /// The system gives no threads.
+    #[error("no threads to work with: {0}")]
+    Threads(#[from] rayon::ThreadPoolBuildError),
+}
+
+/// A log and its content, as far as it can be read.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Hashed {
+    /// The name by which results know the log: its path, or its address.
+    pub name: PathBuf,
+    /// SHA-256 of its content and its length in bytes; the reason where the operating system does not give it.
+    pub content: Result<(String, u64), String>,
+}
+
+impl Hashed {
+    /// Reads a file to the end.
+    pub fn of(path: &Path) -> Self {
+        Self { name: path.to_owned(), content: hash_file(path).map_err(|error| error.to_string()) }
+    }
+
+    fn hash(&self, task: &Task) -> String {
+        self.content.as_ref().map_or_else(|_| task.key_of_unreadable(&self.name), |(hash, _)| hash.clone())
+    }
+}
+
+/// The logs that a shard has to do, each content once, in the order of their names; copies and logs of other shards are
+/// counted. Every engine asks this function, so that all do the same.
+pub fn plan(logs: Vec<Hashed>, task: &Task, shard: Shard) -> (Vec<Hashed>, Summary) {
+    let mut summary = Summary { files: logs.len(), ..Summary::default() };
+    let mut seen = HashSet::new();
+    let mut work = Vec::new();
+    for log in logs {
+        let hash = log.hash(task);
+        let is_ours = shard.has(&hash);
+        if !seen.insert(hash) {
+            summary.copies += 1;
+        } else if is_ours {
+            work.push(log);
+        } else {
+            summary.of_others += 1;
+        }
+    }
+    (work, summary)
+}
+
+/// What has become of one log.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// It was in the store already.
+    Found,
+    /// It was estimated.
+    Estimated {
+        /// Rows that were written.
+        rows: usize,
+        /// Whether none of them has a number.
+        refused: bool,
+    },
+}
+
+impl Summary {
+    /// Counts a log.
+    pub fn add(&mut self, outcome: Outcome) {
+        match outcome {
+            Outcome::Found => self.found += 1,
+            Outcome::Estimated { rows, refused } => {
+                self.estimated += 1;
+                self.rows += rows;
+                self.refused += usize::from(refused);
+            }
+        }
+    }
+}
+
+/// Does one log, unless the store has it. `file` is where its content can be read at the moment.
+///
+/// # Errors
+/// [`StoreError`]: the store cannot be written.
+pub fn one(
+    log: &Hashed,
+    file: &Path,
+    task: &Task,
+    flights: &FlightTable,
+    store: &Store,
+) -> Result<Outcome, StoreError> {
+    let (hash, bytes) = match &log.content {
+        Ok((hash, bytes)) => (hash, *bytes),
+        Err(error) => {
+            store.write_unit(&[task.unreadable(&log.name, error)], true)?;
+            return Ok(Outcome::Estimated { rows: 1, refused: true });
+        }
+    };
+    store.write_log(&flights.log(&log.name, hash, bytes))?;
+    // A file that could not be read before can be read now: the row that said so is no longer true. It goes before its
+    // successor comes, so that there are never both.
+    store.remove_unit("log", task.model_sha256(), &task.key_of_unreadable(&log.name))?;
+    if store.has("log", task.model_sha256(), &task.key(hash)) {
+        return Ok(Outcome::Found);
+    }
+    let rows = task.rows(file, hash);
+    store.write_unit(&rows, is_tried_again(&rows))?;
+    Ok(Outcome::Estimated { rows: rows.len(), refused: rows.iter().all(|row| row.parameter.is_none()) })
+}
+
+/// Estimates every log that the store does not have with this task.
+///
+/// A log whose content is there already is not estimated, wherever it stands. `progress` is called after each unit, from
+/// any thread. When `stop` becomes true, units that have begun are finished and no other begins; a process that is
+/// killed instead loses what it was working on and nothing else.
+///
+/// # Errors
+/// [`RunError`]. A log that cannot be read or estimated is no error but a row.
+pub fn run(
+    files: &[PathBuf],
+    task: &Task,
+    flights: &FlightTable,
+    store: &Store,
+    share: Share,
+    progress: &(dyn Fn(Progress) + Sync),
+    stop: &AtomicBool,
+) -> Result<Summary, RunError> {
+    let pool = pool(share.workers)?;
+    store.write_model(task.model_sha256(), task.model_text())?;
+    let hashed = pool.install(|| files.par_iter().map(|path| Hashed::of(path)).collect());
+    let (work, mut summary) = plan(hashed, task, share.shard);
+    let (found, done) = (AtomicUsize::new(0), AtomicUsize::new(0));
+    let all = work.len();
+    let unit = |log: Hashed| -> Result<Outcome, StoreError> {
+        let outcome = one(&log, &log.name, task, flights, store)?;
+        found.fetch_add(usize::from(outcome == Outcome::Found), Ordering::Relaxed);
+        let done = done.fetch_add(1, Ordering::Relaxed) + 1;
+        progress(Progress { done, all, found: found.load(Ordering::Relaxed) });
+        Ok(outcome)
+    };
+    let results: Vec<Option<Result<_, StoreError>>> = pool.install(|| {
+        let begun = |log| if stop.load(Ordering::Relaxed) { None } else { Some(unit(log)) };
+        work.into_par_iter().map(begun).collect()
+    });
+    for result in results {
+        match result.transpose()? {
+            None => summary.left += 1,
+            Some(outcome) => summary.add(outcome),
+        }
+    }
+    Ok(summary)
+}
+
+/// Whether what is in these rows may be otherwise in the next run.
+pub(crate) fn is_tried_again(rows: &[Row]) -> bool {
+    let again = Refusal::ALL.iter().filter(|refusal| refusal.is_tried_again()).map(|refusal| refusal.word());
+    let again: Vec<&str> = again.collect();
+    rows.iter().any(|row| row.refusal.as_deref().is_some_and(|refusal| again.contains(&refusal)))
+}
+
+/// Threads with the stack that an estimation needs.
+pub(crate) fn pool(workers: usize) -> Result<ThreadPool, rayon::ThreadPoolBuildError> {
+    ThreadPoolBuilder::new().num_threads(workers).stack_size(STACK_BYTES).build()
+}

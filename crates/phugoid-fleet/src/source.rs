@@ -1,0 +1,128 @@
+//! Which files are meant by what the user writes: files, folders, and patterns such as `flights/*/*.ulg`.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Ends of the names of flights. In a folder everything else is left out; a file that is named is always taken.
+pub const ENDS: [&str; 12] =
+    [".ulg", ".bin", ".mcap", ".csv", ".csv.gz", ".txt", ".mat", ".parquet", ".arrow", ".feather", ".xlsx", ".xlsm"];
+
+/// Why there are no logs to take.
+#[derive(Debug, thiserror::Error)]
+pub enum SourceError {
+    /// Neither a file nor a folder, and no pattern.
+    #[error("`{word}`: there is no such file or folder")]
+    NotThere {
+        /// What was given.
+        word: String,
+    },
+    /// A pattern that fits no file.
+    #[error("`{word}`: no file fits this pattern")]
+    NothingFits {
+        /// What was given.
+        word: String,
+    },
+    /// A pattern that is none.
+    #[error("`{word}` is no pattern: {source}")]
+    Pattern {
+        /// What was given.
+        word: String,
+        /// What is wrong with it.
+        source: glob::PatternError,
+    },
+    /// A folder that cannot be read.
+    #[error("`{}`: cannot be read: {source}", folder.display())]
+    Folder {
+        /// The folder.
+        folder: PathBuf,
+        /// What the operating system says.
+        source: std::io::Error,
+    },
+    /// An address of an object store, which the engine of the Python package reads and this program does not.
+    #[error(
+        "`{word}` is an address of an object store: this program reads files. Mount the bucket, or use the Python package: \
+         phugoid.fleet([...], engine=\"ray\")"
+    )]
+    Remote {
+        /// What was given.
+        word: String,
+    },
+}
+
+/// The files that are meant, each once, in the order of their paths, whatever the order of the words.
+///
+/// # Errors
+/// [`SourceError`]: a word that means nothing. A folder without flights is no error, since flights may come later.
+pub fn files(words: &[String]) -> Result<Vec<PathBuf>, SourceError> {
+    let mut found = BTreeSet::new();
+    for word in words {
+        let path = Path::new(word);
+        if path.is_dir() {
+            walk(path, &mut found)?;
+        } else if path.exists() {
+            found.insert(path.to_owned());
+        } else if word.contains("://") {
+            return Err(SourceError::Remote { word: word.clone() });
+        } else if word.contains(['*', '?', '[']) {
+            let before = found.len();
+            let paths = glob::glob(word).map_err(|source| SourceError::Pattern { word: word.clone(), source })?;
+            for path in paths.flatten() {
+                if path.is_dir() { walk(&path, &mut found)? } else { _ = found.insert(path) }
+            }
+            if found.len() == before {
+                return Err(SourceError::NothingFits { word: word.clone() });
+            }
+        } else {
+            return Err(SourceError::NotThere { word: word.clone() });
+        }
+    }
+    Ok(found.into_iter().collect())
+}
+
+/// All flights in a folder and those below it. Links to folders are not followed, since they may lead back.
+fn walk(folder: &Path, found: &mut BTreeSet<PathBuf>) -> Result<(), SourceError> {
+    let failed = |source| SourceError::Folder { folder: folder.to_owned(), source };
+    for entry in fs::read_dir(folder).map_err(failed)? {
+        let entry = entry.map_err(failed)?;
+        let (path, kind) = (entry.path(), entry.file_type().map_err(failed)?);
+        if kind.is_dir() {
+            walk(&path, found)?;
+        } else if path.is_file() && is_flight(&entry.file_name().to_string_lossy()) {
+            found.insert(path);
+        }
+    }
+    Ok(())
+}
+
+fn is_flight(name: &str) -> bool {
+    let name = name.to_lowercase();
+    !name.starts_with('.') && ENDS.iter().any(|end| name.ends_with(end))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn folders_patterns_and_files_give_each_file_once_in_order() {
+        let root = std::env::temp_dir().join(format!("phugoid-fleet-source-{}", std::process::id()));
+        for name in ["b/2.csv", "b/1.ULG", "a/3.bin", "a/notes.md", "a/.hidden.csv"] {
+            let path = root.join(name);
+            fs::create_dir_all(path.parent().unwrap()).unwrap();
+            fs::write(path, name).unwrap();
+        }
+        let word = |path: &str| root.join(path).display().to_string();
+        let names = |words: &[String]| -> Vec<String> {
+            let relative = |path: &PathBuf| path.strip_prefix(&root).unwrap().display().to_string();
+            files(words).unwrap().iter().map(relative).collect()
+        };
+        assert_eq!(names(&[word("b"), word("a/3.bin"), word("")]), ["a/3.bin", "b/1.ULG", "b/2.csv"]);
+        assert_eq!(names(&[word("*/*.csv")]), ["a/.hidden.csv", "b/2.csv"]);
+        assert_eq!(names(&[word("a/notes.md")]), ["a/notes.md"]);
+        assert!(matches!(files(&[word("c")]), Err(SourceError::NotThere { .. })));
+        assert!(matches!(files(&[word("*.mat")]), Err(SourceError::NothingFits { .. })));
+        assert!(matches!(files(&["s3://bucket/x".to_owned()]), Err(SourceError::Remote { .. })));
+        fs::remove_dir_all(root).unwrap();
+    }
+}

@@ -1,0 +1,411 @@
+//! From the rows of a store to what the fleet tells.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use phugoid_evaluation::statistics::clopper_pearson;
+use serde::Serialize;
+
+use super::course::{Change, Combined, Fit, Observation, combine, constant, drift, line, step, two_levels};
+use super::false_discovery::rates;
+use super::outlier::{self, Apart};
+use super::sharing::{Owner, part_of};
+use crate::logs::{LogRow, natural};
+use crate::row::{QUANTITIES, Row};
+
+/// How a store is judged.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Question {
+    /// Part of the findings that may be false, above 0 and below 1.
+    pub false_discoveries: f64,
+    /// Words that the rows have to fit, each of them: the name of the model, the first digits of its hash (eight or more), the
+    /// method, or the version. Needed where a store has results of several.
+    pub only: Vec<String>,
+    /// What a course runs over.
+    pub over: Over,
+}
+
+impl Default for Question {
+    fn default() -> Self {
+        Self { false_discoveries: 0.05, only: Vec::new(), over: Over::Flights }
+    }
+}
+
+/// What a course runs over.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Over {
+    /// The number of the flight: that of the table of flights, or else the place in the order of the names.
+    #[default]
+    Flights,
+    /// The hours that the airframe had flown, which the table of flights has to give.
+    Hours,
+}
+
+/// Why the store tells nothing.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum TellError {
+    /// The rate is no part.
+    #[error("the rate of false discoveries is {rate}: expected a number above 0 and below 1")]
+    Rate {
+        /// What was given.
+        rate: f64,
+    },
+    /// No estimate of a log fits.
+    #[error("the store has no estimates of logs{}", if only.is_empty() { String::new() } else { format!(" that fit {}", only.join(", ")) })]
+    Nothing {
+        /// The words of the question.
+        only: Vec<String>,
+    },
+    /// Results that must not be mixed.
+    #[error("the store has results of several models, methods or versions: {}. Choose by --only", sets.iter().map(Set::to_string).collect::<Vec<_>>().join("; "))]
+    Several {
+        /// What there is.
+        sets: Vec<Set>,
+    },
+    /// A log has no hours.
+    #[error("{log}: no hours are known of this flight. Give them in the table of flights, or ask over flights")]
+    NoHours {
+        /// Path of the log.
+        log: String,
+    },
+}
+
+/// Results that belong together.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+pub struct Set {
+    /// Name of the model.
+    pub model: String,
+    /// SHA-256 of its text.
+    pub model_sha256: String,
+    /// The method.
+    pub method: String,
+    /// The version of the program.
+    pub version: String,
+}
+
+impl std::fmt::Display for Set {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let digits = self.model_sha256.get(..12).unwrap_or(&self.model_sha256);
+        write!(f, "{} ({digits}) {} {}", self.model, self.method, self.version)
+    }
+}
+
+impl Set {
+    fn of(row: &Row) -> Self {
+        let Row { model, model_sha256, method, version, .. } = row.clone();
+        Self { model, model_sha256, method, version }
+    }
+
+    fn fits(&self, word: &str) -> bool {
+        let is_hash = word.len() >= 8 && self.model_sha256.starts_with(word);
+        is_hash || [&self.model, &self.method, &self.version].iter().any(|own| *own == word)
+    }
+}
+
+/// What the fleet tells.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Findings {
+    /// The results that were asked.
+    pub set: Set,
+    /// Part of the findings that may be false.
+    pub false_discoveries: f64,
+    /// What the courses run over.
+    pub over: Over,
+    /// Number of logs.
+    pub logs: usize,
+    /// Why logs and segments have no numbers: the word, and how many.
+    pub refused: BTreeMap<String, usize>,
+    /// The airframes in the order of their names.
+    pub airframes: Vec<Airframe>,
+    /// Of each parameter, how often a flight lies within two of its claimed standard errors from the others of its airframe.
+    pub coverage: Vec<Coverage>,
+}
+
+/// One airframe.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Airframe {
+    /// Its name.
+    pub name: String,
+    /// Number of its logs.
+    pub logs: usize,
+    /// The course of each parameter, in the order of their names.
+    pub courses: Vec<Course>,
+}
+
+/// What a course does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Shape {
+    /// Nothing speaks against a constant.
+    Steady,
+    /// It drifts.
+    Drift,
+    /// It changes at once.
+    Step,
+    /// Too few flights to say.
+    TooFew,
+}
+
+/// The course of one parameter of one airframe.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Course {
+    /// Name of the parameter.
+    pub parameter: String,
+    /// Its unit.
+    pub unit: String,
+    /// Estimates that are not used: not converged, doubtful or refused.
+    pub left_out: usize,
+    /// The mean over the flights.
+    pub combined: Combined,
+    /// The drift, significant or not.
+    pub drift: Option<Change>,
+    /// The most certain step, significant or not.
+    pub step: Option<Change>,
+    /// What the course does, at the rate of false discoveries over all courses.
+    pub shape: Shape,
+    /// Rate of false discoveries at which drift or step would just be a finding.
+    pub change_rate: Option<f64>,
+    /// Distance of this airframe from the others.
+    pub apart: Option<Apart>,
+    /// Rate at which it would just be an outlier.
+    pub apart_rate: Option<f64>,
+    /// Whether it is one.
+    pub is_outlier: bool,
+    /// The estimates, in the order of the flights.
+    pub points: Vec<Point>,
+}
+
+/// One estimate of a course.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Point {
+    /// Hash of the log.
+    pub log_sha256: String,
+    /// Where the log was found.
+    pub path: String,
+    /// The segment of it.
+    pub segment: i64,
+    /// Flight or hours.
+    pub at: f64,
+    /// The estimate.
+    pub value: f64,
+    /// One standard error.
+    pub std_error: f64,
+    /// Its random part.
+    pub random_std: f64,
+    /// One sigma by which it may differ from another flight of its airframe: the random part, and the loading of the day.
+    pub own_std: f64,
+    /// Distance from the course of the other flights over its standard error; none with too few flights.
+    pub sigmas: Option<f64>,
+    /// Whether this flight disagrees with its own airframe.
+    pub disagrees: bool,
+}
+
+/// How often flights lie where the other flights of their airframe say.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Coverage {
+    /// Name of the parameter.
+    pub parameter: String,
+    /// Estimates within two claimed standard errors.
+    pub within: usize,
+    /// Estimates that were asked.
+    pub of: usize,
+    /// 95 % interval of the probability (Clopper and Pearson).
+    pub interval: [f64; 2],
+}
+
+/// What the rows of logs tell.
+///
+/// # Errors
+/// [`TellError`]: nothing fits the question, or results of several models or methods do.
+pub fn tell(rows: &[Row], logs: &[LogRow], question: &Question) -> Result<Findings, TellError> {
+    let rate = question.false_discoveries;
+    if !(rate > 0.0 && rate < 1.0) {
+        return Err(TellError::Rate { rate });
+    }
+    let rows: Vec<&Row> = rows
+        .iter()
+        .filter(|row| row.kind == "log" && question.only.iter().all(|word| Set::of(row).fits(word)))
+        .collect();
+    let sets: BTreeSet<Set> = rows.iter().map(|row| Set::of(row)).collect();
+    let mut sets: Vec<Set> = sets.into_iter().collect();
+    if sets.len() > 1 {
+        return Err(TellError::Several { sets });
+    }
+    let Some(set) = sets.pop() else { return Err(TellError::Nothing { only: question.only.clone() }) };
+    let mut refused = BTreeMap::new();
+    for word in rows.iter().filter_map(|row| row.refusal.clone()) {
+        *refused.entry(word).or_insert(0) += 1;
+    }
+    let mut airframes = airframes(&rows, logs, question.over)?;
+    judge_changes(&mut airframes, rate);
+    judge_outliers(&mut airframes, rate);
+    let coverage = judge_flights(&mut airframes, rate);
+    let (false_discoveries, over) = (rate, question.over);
+    Ok(Findings { set, false_discoveries, over, logs: logs.len(), refused, airframes, coverage })
+}
+
+/// A point with its budget, which is needed for the mean alone.
+type WithBudget = (Point, [f64; QUANTITIES]);
+
+fn airframes(rows: &[&Row], logs: &[LogRow], over: Over) -> Result<Vec<Airframe>, TellError> {
+    let mut by_log: BTreeMap<&str, Vec<&Row>> = BTreeMap::new();
+    for row in rows {
+        by_log.entry(row.source_sha256.as_deref().unwrap_or_default()).or_default().push(row);
+    }
+    let mut fleet: BTreeMap<&str, Vec<&LogRow>> = BTreeMap::new();
+    for log in logs.iter().filter(|log| by_log.contains_key(log.log_sha256.as_str())) {
+        fleet.entry(&log.airframe).or_default().push(log);
+    }
+    let mut airframes = Vec::new();
+    for (name, mut logs) in fleet {
+        logs.sort_by_cached_key(|log| natural(&log.path));
+        let is_numbered = logs.iter().all(|log| log.flight.is_some());
+        let mut courses: BTreeMap<&str, (String, usize, Vec<WithBudget>)> = BTreeMap::new();
+        for (place, log) in logs.iter().enumerate() {
+            let at = match over {
+                Over::Flights => log.flight.filter(|_| is_numbered).unwrap_or((place + 1) as f64),
+                Over::Hours => log.hours.ok_or_else(|| TellError::NoHours { log: log.path.clone() })?,
+            };
+            for row in by_log.get(log.log_sha256.as_str()).into_iter().flatten() {
+                let Some(parameter) = row.parameter.as_deref().filter(|_| row.nuisance != Some(true)) else { continue };
+                let course = courses.entry(parameter).or_default();
+                match point(row, log, at) {
+                    Some(point) => {
+                        course.0 = row.unit.clone().unwrap_or_default();
+                        course.2.push((point, row.budget.map(Option::unwrap_or_default)));
+                    }
+                    None => course.1 += 1,
+                }
+            }
+        }
+        let courses = courses.into_iter().filter_map(|(parameter, (unit, left_out, mut points))| {
+            points.sort_by(|(a, _), (b, _)| a.at.total_cmp(&b.at));
+            course(parameter, unit, left_out, points)
+        });
+        airframes.push(Airframe { name: name.to_owned(), logs: logs.len(), courses: courses.collect() });
+    }
+    airframes.sort_by_cached_key(|airframe| natural(&airframe.name));
+    Ok(airframes)
+}
+
+/// The point of a row whose number can be used; `None` for others.
+fn point(row: &Row, log: &LogRow, at: f64) -> Option<Point> {
+    let is_usable = matches!(row.status.as_str(), "sound" | "provisional");
+    let is_known = row.parameter_status.as_deref() == Some("converged");
+    let (value, std_error) = row.value.zip(row.std_error).filter(|_| is_usable && is_known)?;
+    let random_std = row.random_std.filter(|std| *std > 0.0)?;
+    Some(Point {
+        log_sha256: log.log_sha256.clone(),
+        path: log.path.clone(),
+        segment: row.segment.unwrap_or(0),
+        at,
+        value,
+        std_error,
+        random_std,
+        own_std: random_std.hypot(part_of(&row.budget.map(Option::unwrap_or_default), &[Owner::Loading])),
+        sigmas: None,
+        disagrees: false,
+    })
+}
+
+fn course(parameter: &str, unit: String, left_out: usize, points: Vec<WithBudget>) -> Option<Course> {
+    let observations: Vec<Observation> = points
+        .iter()
+        .map(|(p, budget)| Observation { at: p.at, value: p.value, random_std: p.random_std, budget: *budget })
+        .collect();
+    let (drift, step) = (drift(&observations), step(&observations));
+    Some(Course {
+        parameter: parameter.to_owned(),
+        unit,
+        left_out,
+        combined: combine(&observations)?,
+        drift,
+        step,
+        shape: Shape::TooFew,
+        change_rate: None,
+        apart: None,
+        apart_rate: None,
+        is_outlier: false,
+        points: points.into_iter().map(|(point, _)| point).collect(),
+    })
+}
+
+/// Drift or step: the probability of the likelier one, twice, since two questions were asked.
+fn judge_changes(airframes: &mut [Airframe], rate: f64) {
+    let courses = || airframes.iter().flat_map(|airframe| &airframe.courses);
+    let p_of = |course: &Course| {
+        let least = [&course.drift, &course.step].into_iter().flatten().map(|change| change.p_value).reduce(f64::min);
+        least.map_or(f64::NAN, |p| (2.0 * p).min(1.0))
+    };
+    let all: Vec<f64> = rates(&courses().map(p_of).collect::<Vec<f64>>());
+    for (course, found) in airframes.iter_mut().flat_map(|airframe| &mut airframe.courses).zip(all) {
+        course.change_rate = crate::row::finite(found);
+        // A step may choose its place, which its p-value pays for and its residuals do not.
+        let p = |change: &Option<Change>| change.map_or(f64::INFINITY, |change| change.p_value);
+        course.shape = match found {
+            found if found.is_nan() => Shape::TooFew,
+            found if found > rate => Shape::Steady,
+            _ if p(&course.drift) <= p(&course.step) => Shape::Drift,
+            _ => Shape::Step,
+        };
+    }
+}
+
+fn judge_outliers(airframes: &mut [Airframe], rate: f64) {
+    let parameters: BTreeSet<String> =
+        airframes.iter().flat_map(|a| &a.courses).map(|course| course.parameter.clone()).collect();
+    for parameter in &parameters {
+        let mut courses: Vec<&mut Course> =
+            airframes.iter_mut().flat_map(|a| &mut a.courses).filter(|c| c.parameter == *parameter).collect();
+        let combined: Vec<Combined> = courses.iter().map(|course| course.combined).collect();
+        let Some(apart) = outlier::airframes(&combined) else { continue };
+        courses.iter_mut().zip(apart).for_each(|(course, apart)| course.apart = Some(apart));
+    }
+    let p_of = |course: &Course| course.apart.map_or(f64::NAN, |apart| apart.p_value);
+    let all = rates(&airframes.iter().flat_map(|a| &a.courses).map(p_of).collect::<Vec<f64>>());
+    for (course, found) in airframes.iter_mut().flat_map(|a| &mut a.courses).zip(all) {
+        course.apart_rate = crate::row::finite(found);
+        course.is_outlier = found <= rate;
+    }
+}
+
+/// The fit that the verdict on a course asks for.
+fn fit(course: &Course, observations: &[Observation]) -> Fit {
+    match (course.shape, course.step) {
+        (Shape::Drift, _) => line(observations).map_or_else(|| constant(observations), |(fit, ..)| fit),
+        (Shape::Step, Some(step)) => two_levels(observations, step.at),
+        _ => constant(observations),
+    }
+}
+
+fn judge_flights(airframes: &mut [Airframe], rate: f64) -> Vec<Coverage> {
+    let mut coverage: BTreeMap<String, (usize, usize)> = BTreeMap::new();
+    let mut p_values = Vec::new();
+    for course in airframes.iter_mut().flat_map(|airframe| &mut airframe.courses) {
+        let observations: Vec<Observation> = course
+            .points
+            .iter()
+            .map(|p| Observation { at: p.at, value: p.value, random_std: p.own_std, budget: [0.0; QUANTITIES] })
+            .collect();
+        let told = outlier::flights(&observations, &fit(course, &observations));
+        let counts = coverage.entry(course.parameter.clone()).or_default();
+        match told {
+            None => p_values.extend(course.points.iter().map(|_| f64::NAN)),
+            Some(told) => {
+                for (point, (apart, claimed)) in course.points.iter_mut().zip(told) {
+                    point.sigmas = crate::row::finite(apart.sigmas);
+                    p_values.push(apart.p_value);
+                    counts.0 += usize::from(claimed.abs() <= 2.0);
+                    counts.1 += 1;
+                }
+            }
+        }
+    }
+    let points = airframes.iter_mut().flat_map(|a| &mut a.courses).flat_map(|course| &mut course.points);
+    for (point, found) in points.zip(rates(&p_values)) {
+        point.disagrees = found <= rate;
+    }
+    let told = coverage.into_iter().filter(|(_, (_, of))| *of > 0);
+    told.map(|(parameter, (within, of))| Coverage { parameter, within, of, interval: clopper_pearson(within, of) })
+        .collect()
+}

@@ -1,0 +1,184 @@
+//! One unit of work: a log and a model in, rows out. It depends on nothing else, so that it can run anywhere.
+
+use std::path::Path;
+
+use phugoid_flight_data::reader::{ReadError, ReadOptions};
+use phugoid_flight_data::record::Record;
+use phugoid_flight_data::statistics::median;
+use phugoid_identification::estimate::{EstimateOptions, estimate};
+use phugoid_identification::manoeuvres::{Settings, find};
+use phugoid_identification::method::Method;
+use phugoid_identification::model_file::{ModelError, ModelFile, ModelFileError};
+
+use crate::key::{VERSION, hash, key};
+use crate::row::{Refusal, Row, finite};
+
+/// What is estimated of a flight.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Segments {
+    /// Each manoeuvre by itself. This is the default.
+    #[default]
+    Manoeuvres,
+    /// The whole flight at once.
+    Whole,
+}
+
+impl Segments {
+    /// The word of the command line and of keys.
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::Manoeuvres => "manoeuvres",
+            Self::Whole => "whole",
+        }
+    }
+}
+
+/// Everything that decides on the rows of a log, beside the log: the model and the options.
+#[derive(Clone, Debug)]
+pub struct Task {
+    model: ModelFile,
+    model_text: String,
+    model_sha256: String,
+    method: Option<Method>,
+    segments: Segments,
+}
+
+impl Task {
+    /// A task with this model: a file, or the name of a built-in one. `method` is that of the model file where it is
+    /// `None`.
+    ///
+    /// # Errors
+    /// [`ModelError`]: no such file or name, or its text is wrong.
+    pub fn open(model: &str, method: Option<Method>, segments: Segments) -> Result<Self, ModelError> {
+        let (name, text) = ModelFile::find_text(model)?;
+        Ok(Self::parse(&name, text, method, segments)?)
+    }
+
+    /// As [`open`](Self::open), from the text of the model file; `name` stands in messages.
+    ///
+    /// # Errors
+    /// [`ModelFileError`]: the text is wrong.
+    pub fn parse(name: &str, text: String, method: Option<Method>, segments: Segments) -> Result<Self, ModelFileError> {
+        let model = ModelFile::parse(name, &text)?;
+        let model_sha256 = hash(text.as_bytes());
+        Ok(Self { model, model_text: text, model_sha256, method, segments })
+    }
+
+    /// SHA-256 of the text of the model file.
+    pub fn model_sha256(&self) -> &str {
+        &self.model_sha256
+    }
+
+    /// The text of the model file.
+    pub fn model_text(&self) -> &str {
+        &self.model_text
+    }
+
+    /// The key of this task with the log of this hash.
+    pub fn key(&self, log_sha256: &str) -> String {
+        key(&[
+            ("log", log_sha256),
+            ("model", &self.model_sha256),
+            ("method", self.method.map_or("of the model", Method::name)),
+            ("segments", self.segments.word()),
+        ])
+    }
+
+    /// The key of the row that says that a file could not be read: it has no content, so that its path stands for it.
+    pub fn key_of_unreadable(&self, path: &Path) -> String {
+        self.key(&format!("unreadable {}", path.display()))
+    }
+
+    /// What all rows of a log have in common.
+    fn common(&self, key: String, log_sha256: Option<&str>) -> Row {
+        Row {
+            key,
+            kind: "log".to_owned(),
+            source_sha256: log_sha256.map(str::to_owned),
+            model_sha256: self.model_sha256.clone(),
+            model: self.model.name.clone(),
+            version: VERSION.to_owned(),
+            method: self.method.unwrap_or(self.model.estimator.method).name().to_owned(),
+            ..Row::default()
+        }
+    }
+
+    /// The row of a file that the operating system does not give.
+    pub fn unreadable(&self, path: &Path, error: &str) -> Row {
+        let message = format!("{}: cannot be read: {error}", path.display());
+        self.common(self.key_of_unreadable(path), None).refused(Refusal::Unreadable, message)
+    }
+
+    /// All rows of the log at this path, whose hash is known: one for each segment and parameter; one for each segment
+    /// without numbers; one for a log without any.
+    pub fn rows(&self, path: &Path, log_sha256: &str) -> Vec<Row> {
+        let common = self.common(self.key(log_sha256), Some(log_sha256));
+        match self.model.open_record_with(path, &ReadOptions::default()) {
+            Ok(mut record) => {
+                // Messages name the flight by its content, wherever the file stands.
+                record.source = format!("log {}", log_sha256.get(..12).unwrap_or(log_sha256));
+                self.rows_of_record(&record, common)
+            }
+            Err(error) => {
+                let refusal = match &error {
+                    ReadError::Io { .. } => Refusal::Unreadable,
+                    ReadError::NotRead { format, .. } if format.feature().is_some() => Refusal::FormatNotInBuild,
+                    _ => Refusal::NotAFlight,
+                };
+                // A copy of the log elsewhere gives the same row.
+                let message = error.to_string().replace(&path.display().to_string(), "the log");
+                vec![common.refused(refusal, message)]
+            }
+        }
+    }
+
+    fn rows_of_record(&self, record: &Record, mut common: Row) -> Vec<Row> {
+        let start_s = record.time.first().copied();
+        common.duration_s = start_s.zip(record.time.last()).map(|(first, last)| last - first);
+        if self.segments == Segments::Whole {
+            let row = Row { segment: Some(0), ..common };
+            return self.rows_of_segment(record, start_s, row);
+        }
+        let found = find(record, &Settings::default());
+        if found.manoeuvres.is_empty() {
+            return vec![common.refused(Refusal::NoManoeuvre, found.reasons.join(" "))];
+        }
+        let mut rows = Vec::new();
+        for manoeuvre in &found.manoeuvres {
+            let row = Row {
+                segment: Some(manoeuvre.number as i64),
+                from_s: finite(manoeuvre.from_s),
+                to_s: finite(manoeuvre.to_s),
+                input: Some(manoeuvre.words()),
+                ..common.clone()
+            };
+            match record.between(manoeuvre.from_s, manoeuvre.to_s).filter(|_| manoeuvre.useful) {
+                Some(part) => rows.extend(self.rows_of_segment(&part, start_s, row)),
+                None => rows.push(row.refused(Refusal::NotUseful, manoeuvre.remarks.join(" "))),
+            }
+        }
+        rows
+    }
+
+    fn rows_of_segment(&self, part: &Record, start_s: Option<f64>, row: Row) -> Vec<Row> {
+        let row = Row {
+            from_s: part.time.first().copied(),
+            to_s: part.time.last().copied(),
+            airspeed_m_s: median_of(part, "true_airspeed"),
+            alpha_rad: median_of(part, "alpha"),
+            altitude_m: median_of(part, "altitude"),
+            ..row
+        };
+        let options = EstimateOptions { method: self.method, start_s, ..EstimateOptions::default() };
+        match estimate(part, &self.model, &options, &mut |_| {}) {
+            Ok(estimation) => row.of_estimation(&estimation),
+            Err(error) => vec![row.refused(Refusal::NotEstimated, error.to_string())],
+        }
+    }
+}
+
+/// Median of the finite values of a channel, SI; `None` without any.
+fn median_of(record: &Record, name: &str) -> Option<f64> {
+    let mut values: Vec<f64> = record.channel(name)?.values.iter().copied().filter(|value| value.is_finite()).collect();
+    median(&mut values)
+}
