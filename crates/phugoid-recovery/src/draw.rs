@@ -92,7 +92,7 @@ impl Class {
 
 /// The classes of damage number `index`: the first goes through all, every second one comes with another, every eighth with two.
 pub fn classes(index: usize, seed: u64) -> Vec<Class> {
-    let mut draw = Draw { random: Pcg64::seed_from_u64(seed ^ 0x636c_6173_7365_73) };
+    let mut draw = Draw { random: Pcg64::seed_from_u64(seed ^ 0x0063_6c61_7373_6573) };
     let mut classes = vec![Class::ALL[index % Class::ALL.len()]];
     let more = match index / Class::ALL.len() % 8 {
         7 => 2,

@@ -9,18 +9,19 @@ use phugoid_control::local::SURFACES;
 use phugoid_control::target::Targets;
 use phugoid_estimators::ChangeState;
 use phugoid_flight_dynamics::aircraft::{Aircraft, Controls};
-use phugoid_flight_dynamics::sensors::SensorError;
 use phugoid_flight_dynamics::trim::Trim;
-use phugoid_identification::error::EstimateError;
 use phugoid_identification::estimate::EstimateOptions;
 use phugoid_identification::estimation::EventKind;
 use phugoid_identification::method::Method;
 use phugoid_identification::model_file::ModelFile;
 use phugoid_identification::session::{Session, Step};
 use phugoid_simulation::course::Course;
-use phugoid_simulation::flight::{FlightError, trimmed_aircraft};
-use phugoid_simulation::scenario::{Scenario, ScenarioError};
+use phugoid_simulation::flight::trimmed_aircraft;
+use phugoid_simulation::scenario::Scenario;
 use serde::{Deserialize, Serialize};
+
+pub use crate::error::RecoveryError;
+pub use crate::history::History;
 
 use crate::controller::{Controller, Decision, NAMES, Told};
 use crate::known::{Declared, Increment, estimate, local_model};
@@ -118,35 +119,6 @@ pub enum Kind {
     Departed,
 }
 
-/// What was flown, one entry per sample. SI and radians.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct History {
-    /// Time, s.
-    pub time_s: Vec<f64>,
-    /// True angle of attack, rad.
-    pub alpha: Vec<f64>,
-    /// True sideslip, rad.
-    pub beta: Vec<f64>,
-    /// True bank angle, rad.
-    pub phi: Vec<f64>,
-    /// True pitch angle, rad.
-    pub theta: Vec<f64>,
-    /// True body rates, rad/s.
-    pub rates: [Vec<f64>; 3],
-    /// Altitude, m.
-    pub altitude: Vec<f64>,
-    /// True airspeed, m/s.
-    pub speed: Vec<f64>,
-    /// Normal load factor, g.
-    pub load_factor: Vec<f64>,
-    /// Commands to elevator, aileron and rudder, rad.
-    pub commands: [Vec<f64>; 3],
-    /// True positions, rad.
-    pub surfaces: [Vec<f64>; 3],
-    /// Size of the excitation of each surface, 0 to 1.
-    pub excitation: [Vec<f64>; 3],
-}
-
 /// A flight and what became of it.
 #[derive(Clone, Debug, Serialize)]
 pub struct RecoveryFlight {
@@ -168,29 +140,6 @@ pub struct RecoveryFlight {
     pub estimate: Option<Estimate>,
     /// The true aircraft at the end, about the attitude of the trim.
     pub truth: Estimate,
-}
-
-/// Why a flight could not be made.
-#[derive(Debug, thiserror::Error)]
-pub enum RecoveryError {
-    /// The scenario cannot be flown.
-    #[error(transparent)]
-    Flight(#[from] FlightError),
-    /// Something in the scenario is wrong.
-    #[error(transparent)]
-    Scenario(#[from] ScenarioError),
-    /// A sensor cannot be.
-    #[error("a sensor of the scenario: {0}")]
-    Sensor(#[from] SensorError),
-    /// The estimator cannot be set up, or cannot go on.
-    #[error(transparent)]
-    Estimate(#[from] EstimateError),
-    /// No gains for the undamaged aircraft.
-    #[error("no gains can be placed for the undamaged aircraft: its linear model has numbers that are not finite")]
-    NoGains,
-    /// Parts of a scenario that a flight in closed loop does not have.
-    #[error("{0}")]
-    Unsuitable(String),
 }
 
 /// Flies a scenario in closed loop. `model` is what the adaptive control estimates with: increments to the scenario's aircraft.
@@ -365,7 +314,7 @@ impl<'a, A: Aircraft> Loop<'a, A> {
             self.in_doubt = snapshot.change == ChangeState::InDoubt;
             // Linearising is the dearest part of a frame; the controller decides five times a second.
             let every = (0.1 * self.scenario.sample_rate.si()).max(1.0) as usize;
-            if self.history.time_s.len() % every == 0 {
+            if self.history.time_s.len().is_multiple_of(every) {
                 self.estimate =
                     Some(estimate(self.aircraft, &self.trim, &increments, &Declared::UNSTATED, speed, altitude));
             }

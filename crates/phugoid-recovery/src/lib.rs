@@ -3,7 +3,9 @@
 
 pub mod controller;
 pub mod draw;
+mod error;
 pub mod flight;
+mod history;
 pub mod known;
 pub mod outcome;
 pub mod page;

@@ -9,7 +9,7 @@ use phugoid_control::target::Targets;
 use phugoid_flight_dynamics::trim::Trim;
 use serde::Serialize;
 
-use crate::flight::History;
+use crate::history::History;
 
 /// The end of the flight that is looked at, s.
 const LAST_S: f64 = 10.0;

@@ -83,7 +83,7 @@ const DEGREES: f64 = 180.0 / std::f64::consts::PI;
 fn motion(flight: &RecoveryFlight) -> Section {
     let (plot, h) = (Plot::of(flight), &flight.history);
     let one = |label: &str, unit: &str, values: &[f64], scale: f64| {
-        plot.panel(label, unit, &[("", Meaning::Truth, values, scale)])
+        plot.panel(label, unit, &[("", Meaning::Flagship, values, scale)])
     };
     let panels = vec![
         one("Angle of attack", "deg", &h.alpha, DEGREES),

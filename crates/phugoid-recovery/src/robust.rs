@@ -7,7 +7,7 @@ use phugoid_control::target::Targets;
 use phugoid_flight_dynamics::aircraft::Aircraft;
 use phugoid_flight_dynamics::trim::Trim;
 
-use crate::flight::RecoveryError;
+use crate::error::RecoveryError;
 use crate::known::{Declared, estimate};
 
 /// What is left of the effect of a surface, of stability and of damping, over the set of damages.

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use phugoid_flight_dynamics::aircraft::{AirData, Aircraft, Coefficients, Controls};
+use phugoid_flight_dynamics::increments::{Increments, lift_drag_to_body};
 use phugoid_flight_dynamics::scalar::{Dual, Scalar};
 use phugoid_flight_dynamics::trim::Trim;
 
@@ -25,13 +26,14 @@ type Slopes = Dual<8>;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn derivatives(aircraft: &impl Aircraft, trim: &Trim) -> BTreeMap<String, f64> {
-    apparent_derivatives(aircraft, trim, |c| c)
+    apparent_derivatives(aircraft, trim, &Increments::NONE, |c| c)
 }
 
-/// As [`derivatives`], of the coefficients that `apparent` makes of those of the aircraft.
+/// As [`derivatives`], of the coefficients that `apparent` makes of those of the aircraft with increments.
 fn apparent_derivatives(
     aircraft: &impl Aircraft,
     trim: &Trim,
+    increments: &Increments,
     apparent: impl Fn(Coefficients<Slopes>) -> Coefficients<Slopes>,
 ) -> BTreeMap<String, f64> {
     const RATES: [usize; 3] = [2, 3, 4];
@@ -56,11 +58,18 @@ fn apparent_derivatives(
         aileron: variable(at.aileron, 6),
         rudder: variable(at.rudder, 7),
     };
-    let c = apparent(aircraft.coefficients(&air, rates, &controls));
     let (sine, cosine) = alpha.sin_cos();
-    let values = [c.cx * sine - c.cz * cosine, -(c.cx * cosine) - c.cz * sine, c.cm, c.cy, c.cl, c.cn];
     let geometry = aircraft.geometry();
     let (chord_time, span_time) = (geometry.mean_chord / (2.0 * speed), geometry.span / (2.0 * speed));
+    let mut c = aircraft.coefficients(&air, rates, &controls);
+    let [lift, drag, pitch] = increments.longitudinal(alpha, Dual::from(chord_time), rates[1], controls.elevator);
+    let [cx, cz] = lift_drag_to_body(lift, drag, sine, cosine);
+    let [p_hat, r_hat] = [rates[0] * span_time, rates[2] * span_time];
+    let [side, roll, yaw] = increments.lateral(air.beta, p_hat, r_hat, controls.aileron, controls.rudder);
+    (c.cx, c.cz, c.cm) = (c.cx + cx, c.cz + cz, c.cm + pitch);
+    (c.cy, c.cl, c.cn) = (c.cy + side, c.cl + roll, c.cn + yaw);
+    let c = apparent(c);
+    let values = [c.cx * sine - c.cz * cosine, -(c.cx * cosine) - c.cz * sine, c.cm, c.cy, c.cl, c.cn];
     let mut found = BTreeMap::new();
     for (coefficient, value) in COEFFICIENTS.into_iter().zip(values) {
         found.insert(format!("{coefficient}_0"), value.value);
@@ -77,19 +86,24 @@ fn apparent_derivatives(
 }
 
 /// The increments to the aircraft `known` that make it the aircraft `flown`, at a trim: constants (`dCm_0`) and derivatives with
-/// respect to every variable (`dCm_alpha`, `dCl_alpha`, ...). `apparent` turns the coefficients of the flown aircraft into those that
-/// the known mass and inertia would need for the same motion.
+/// respect to every variable (`dCm_alpha`, `dCl_alpha`, ...), beside the `increments` (about the trim) that the flown aircraft has.
+/// `apparent` turns the coefficients of the flown aircraft into those that the known mass and inertia would need for the same motion.
 pub(crate) fn equivalent_increments(
     known: &impl Aircraft,
     flown: &impl Aircraft,
     trim: &Trim,
+    increments: &Increments,
     apparent: impl Fn(Coefficients<Slopes>) -> Coefficients<Slopes>,
 ) -> BTreeMap<String, f64> {
-    let (before, after) = (derivatives(known, trim), apparent_derivatives(flown, trim, apparent));
-    after
-        .into_iter()
-        .map(|(name, value)| (format!("d{name}"), value - before.get(&name).copied().unwrap_or(0.0)))
-        .collect()
+    let before = derivatives(known, trim);
+    let after = apparent_derivatives(flown, trim, increments, apparent);
+    let named: BTreeMap<&str, f64> = increments.named().into_iter().collect();
+    let beside = |(name, value): (String, f64)| {
+        let increment = format!("d{name}");
+        let there = named.get(increment.as_str()).copied().unwrap_or(0.0);
+        (increment, value - before.get(&name).copied().unwrap_or(0.0) - there)
+    };
+    after.into_iter().map(beside).collect()
 }
 
 /// What damage amounts to at the trim before it, for an estimator that is told the undamaged tables, mass and inertia, and the
@@ -99,6 +113,7 @@ pub(crate) fn damage_increments<A: Aircraft>(
     known: &A,
     damaged: &Damaged<'_, A>,
     trim: &Trim,
+    increments: &Increments,
 ) -> BTreeMap<String, f64> {
     let (before, after) = (known.mass_properties(), damaged.mass_properties());
     let geometry = known.geometry();
@@ -111,7 +126,7 @@ pub(crate) fn damage_increments<A: Aircraft>(
     // The known aircraft is told the thrust and takes its own moment arm for it.
     let whole = known.propulsion(trim.power_percent, trim.altitude_m, trim.mach);
     let left = if whole.thrust() == 0.0 { 0.0 } else { engine.thrust() / whole.thrust() };
-    equivalent_increments(known, damaged, trim, |c| {
+    equivalent_increments(known, damaged, trim, increments, |c| {
         let forces: [Slopes; 3] = std::array::from_fn(|i| {
             let thrust = engine.force[i] / force;
             ([c.cx, c.cy, c.cz][i] + thrust) * lighter - thrust

@@ -222,7 +222,10 @@ fn fly_changed<A: Aircraft>(
     let data_range = changed.map_or(whole, |changed| changed.data_range().within(&whole));
     let damage_increments = scenario.damage.iter().map(|damage| match damage.effects() {
         Effects::NONE => BTreeMap::new(),
-        effects => damage_increments(known, &Damaged::new(known, effects, &trim), &trim),
+        effects => {
+            let increments = damage.increments.about(trim.alpha_rad, trim.q_rad_s, trim.elevator_rad);
+            damage_increments(known, &Damaged::new(known, effects, &trim), &trim, &increments)
+        }
     });
     let mut flight = Flight {
         measured,
@@ -293,7 +296,7 @@ fn trajectory<A: Aircraft>(
         sum.iter_mut().zip(added).for_each(|(sum, added)| *sum += added);
     }
     let commands = |k: usize| {
-        if k % 1000 == 0 {
+        if k.is_multiple_of(1000) {
             progress(k as f64 / time.len() as f64);
         }
         Controls {

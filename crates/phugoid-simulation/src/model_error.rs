@@ -32,7 +32,7 @@ impl<'a, A: Aircraft> Misjudged<'a, A> {
     /// The increments to the known aircraft that the error amounts to at a trim, of the derivatives alone. What an estimator
     /// that is told the tables alone should find beside the scenario's own increments, if it flies close to the trim.
     pub fn equivalent_increments(&self, trim: &Trim) -> BTreeMap<String, f64> {
-        let mut found = equivalent_increments(self.aircraft, self, trim, |c| c);
+        let mut found = equivalent_increments(self.aircraft, self, trim, &Increments::NONE, |c| c);
         let derivatives = Increments::NONE.named();
         found.retain(|name, _| derivatives.iter().any(|(known, _)| known == name));
         found

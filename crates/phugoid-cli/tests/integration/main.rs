@@ -16,6 +16,7 @@ mod deletion;
 mod destinations;
 mod field;
 mod fleet;
+mod fly;
 mod init;
 mod inspect;
 mod live;

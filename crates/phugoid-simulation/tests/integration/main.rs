@@ -4,5 +4,6 @@
 #[path = "../../../../tests/shared_data.rs"]
 mod shared_data;
 
+mod damage;
 mod golden_flight;
 mod scenario_options;

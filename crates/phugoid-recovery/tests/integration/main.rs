@@ -1,0 +1,71 @@
+//! Flights in closed loop, as a user has them.
+#![allow(clippy::unwrap_used)]
+
+use phugoid_control::law::Form;
+use phugoid_control::qualities::Level;
+use phugoid_identification::model_file::ModelFile;
+use phugoid_recovery::draw::{Class, classes};
+use phugoid_recovery::flight::{Control, Kind, RecoveryFlight, Settings, fly};
+use phugoid_recovery::study::recovery;
+use phugoid_simulation::scenario::Scenario;
+
+fn model() -> ModelFile {
+    ModelFile::named("f16-recovery-model").unwrap()
+}
+
+fn flown(settings: &Settings) -> RecoveryFlight {
+    fly(&Scenario::named("f16-recovery").unwrap(), settings, &model()).unwrap()
+}
+
+/// The purpose: with the gains of the undamaged aircraft it is lost, with gains from its estimate it flies on as with those of the
+/// truth, and what the pilot is told is right.
+#[test]
+fn an_aircraft_that_fixed_gains_lose_is_flown_on() {
+    let with = |control: Control| flown(&Settings { control, ..Settings::default() });
+    let (fixed, adaptive, oracle) = (with(Control::Fixed), with(Control::Adaptive), with(Control::Oracle));
+    assert!(fixed.outcome.departed && !fixed.outcome.is_recovered());
+    assert!(oracle.outcome.level_flight && oracle.outcome.level == Level::One);
+    assert!(adaptive.outcome.level_flight, "{:?}", adaptive.events);
+    assert_eq!(adaptive.outcome.level, Level::One, "{:?}", adaptive.outcome.qualities);
+    let gains = adaptive.events.iter().find(|event| event.kind == Kind::NewGains && event.time_s >= 10.0).unwrap();
+    // The damage doubles the angle of attack in less than a second.
+    assert!(gains.time_s < 13.0, "{gains:?}");
+    let left = adaptive.left.unwrap();
+    assert_eq!(left.level, adaptive.outcome.level);
+    for (margin, truth) in left.margins.iter().zip(&adaptive.truly_left.margins) {
+        assert!((margin.trim - truth.trim).abs() < 4.0 * margin.std_error, "{margin:?} {truth:?}");
+        assert!(margin.at_least < margin.left && margin.left <= 1.0);
+    }
+}
+
+#[test]
+fn the_same_seed_gives_the_same_flight_and_the_incremental_form_flies_too() {
+    let settings = Settings { control: Control::Robust, form: Form::Incremental, ..Settings::default() };
+    let (one, other) = (flown(&settings), flown(&settings));
+    assert_eq!(one.history, other.history);
+    assert!(!one.outcome.departed, "{:?}", one.events);
+}
+
+#[test]
+fn scenarios_that_cannot_be_flown_in_closed_loop_are_refused() {
+    let constant = Scenario::named("f16-calm").unwrap();
+    let message = fly(&constant, &Settings::default(), &model()).unwrap_err().to_string();
+    assert!(message.contains("thrust = \"engine\""), "{message}");
+}
+
+/// A small study: every damage has all four controls, the order is that of the seeds, and nothing is counted twice.
+#[test]
+fn a_study_counts_every_flight_once() {
+    let base = Scenario::named("f16-recovery").unwrap();
+    let damages = 4;
+    let study = recovery(&base, &model(), &Settings::default(), damages, 77, || ()).unwrap();
+    assert_eq!(study.flights.len(), damages * Control::ALL.len());
+    let all: Vec<_> = study.rows.iter().filter(|row| row.class.is_none()).collect();
+    assert!(all.iter().all(|row| row.flights == damages && row.recovered <= row.level_flight));
+    let of_classes: usize = study.rows.iter().filter(|row| row.class.is_some()).map(|row| row.flights).sum();
+    assert_eq!(of_classes, study.flights.len());
+    let again = recovery(&base, &model(), &Settings::default(), damages, 77, || ()).unwrap();
+    assert!(study.flights == again.flights, "the same seeds give the same flights");
+    let counts: Vec<usize> = (0..10 * Class::ALL.len()).map(|k| classes(k, 77 + k as u64).len()).collect();
+    assert!(counts.contains(&1) && counts.contains(&2) && counts.contains(&3));
+}
