@@ -125,6 +125,31 @@ impl Recent {
         Some((squares.map(|square| libm::sqrt(square / n)), moved.map(|square| libm::sqrt(square / n))))
     }
 
+    /// Angular acceleration at the reference that the last three seconds show with the slopes of a model, rad/s^2: the mean of what its
+    /// slopes leave. `reference` and `surfaces` are the feedback variables and positions of the reference, rad and rad/s. Where an
+    /// estimate says something else, one of the two is wrong. `None` before a second of flight.
+    pub fn out_of_trim(
+        &self,
+        model: &LocalModel,
+        reference: &[f64; VARIABLES],
+        surfaces: &[f64; SURFACES],
+    ) -> Option<[f64; AXES]> {
+        if self.taken < FEWEST {
+            return None;
+        }
+        let count = self.taken.min(LENGTH);
+        let mut sums = [0.0; AXES];
+        for row in self.rows.iter().take(count) {
+            for i in 0..AXES {
+                let modelled: f64 =
+                    (0..VARIABLES).map(|j| model.rates[i][j] * (row.variables[j] - reference[j])).sum::<f64>()
+                        + (0..SURFACES).map(|j| model.surfaces[i][j] * (row.surfaces[j] - surfaces[j])).sum::<f64>();
+                sums[i] += row.accelerations[i] - modelled;
+            }
+        }
+        Some(sums.map(|sum| sum / count as f64))
+    }
+
     /// Whether a model explains the last six tenths of a second: of the changes of angular acceleration of each axis half at least, or all but
     /// the given `floor` (rad/s^2), which is what noise and gusts make. Just after damage no model does, and an estimate in transit is
     /// none to act on. Before a second of flight everything is explained.
@@ -178,6 +203,9 @@ mod tests {
         let (left, moved) = recent.unexplained(&truth).unwrap();
         assert!(left.iter().zip(moved).all(|(left, moved)| *left < 0.1 * moved), "{left:?} {moved:?}");
         assert!(recent.prefers(&wrong, &truth) && !recent.prefers(&truth, &wrong));
+        // Nothing was out of trim, but for what the filter's edges make of three seconds.
+        let shown = recent.out_of_trim(&truth, &[0.0; 5], &[0.0; 3]).unwrap();
+        assert!(shown.iter().zip(moved).all(|(shown, moved)| shown.abs() < 0.2 * moved), "{shown:?} {moved:?}");
         assert!(!recent.prefers(&truth, &LocalModel { rates: [[f64::NAN; 5]; 3], ..truth }));
     }
 }

@@ -97,6 +97,21 @@ impl Controller {
         self.excitation.as_ref().map_or([0.0; SURFACES], Excitation::level)
     }
 
+    /// The estimate with the difference to what the last seconds show of moments out of trim in its bounds: after a change that went
+    /// unnoticed they disagree.
+    pub fn checked(&self, estimate: &Estimate) -> Estimate {
+        let settings = self.law.settings();
+        let Some(shown) = self.recent.out_of_trim(&estimate.model, &settings.reference, &settings.surfaces) else {
+            return *estimate;
+        };
+        let mut checked = *estimate;
+        for i in 0..AXES {
+            let apart = shown[i] - estimate.model.constant[i];
+            checked.std_error.constant[i] = checked.std_error.constant[i].hypot(apart);
+        }
+        checked
+    }
+
     /// Looks at the surfaces and the estimate, and changes gains where that is better.
     pub fn decide(&mut self, told: &Told<'_>) -> Vec<Decision> {
         let mut decisions = Vec::new();

@@ -277,7 +277,7 @@ impl<'a, A: Aircraft> Loop<'a, A> {
             events: self.events,
             history: self.history,
             outcome,
-            left: self.estimate.as_ref().map(left),
+            left: self.estimate.as_ref().map(|estimate| left(&self.controller.checked(estimate))),
             truly_left: left(&truth),
             estimate: self.estimate,
             truth,
