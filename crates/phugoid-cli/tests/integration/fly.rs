@@ -30,6 +30,7 @@ fn mistakes_are_told() {
     assert!(run.err.contains("thrust = \"engine\""), "{}", run.err);
     let run = phugoid(&folder.0, &["fly", "f16-recovry"]);
     assert!(run.code == Some(3) && run.err.contains("f16-recovery"), "{}", run.err);
+    std::fs::create_dir(folder.0.join("elsewhere")).unwrap();
     folder.file("elsewhere/flight.html", "<html>mine</html>");
     let run = phugoid(&folder.0, &["fly", "f16-recovery", "--out", "elsewhere"]);
     assert!(run.code == Some(4) && run.err.contains("no page of phugoid"), "{}", run.err);
