@@ -13,7 +13,7 @@ use std::hint::black_box;
 use phugoid_control::excitation::{Excitation, Now, Settings as ExcitationSettings};
 use phugoid_control::following::Follower;
 use phugoid_control::gains::Gains;
-use phugoid_control::interval::{Estimate, supports};
+use phugoid_control::interval::{Comparison, Estimate};
 use phugoid_control::law::{Demand, Law, Measured, Settings};
 use phugoid_control::local::LocalModel;
 use phugoid_control::prediction::Recent;
@@ -45,7 +45,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             let mut damaged = model;
             damaged.surfaces[1][0] = -6.0 + 1e-6 * f64::from(k);
             let new = Gains::place(&damaged, &Targets::default()).ok_or("not finite")?;
-            black_box(supports(&Estimate { model: damaged, std_error }, &gains, &new, 0.1));
+            black_box(Comparison::new(&Estimate { model: damaged, std_error }, &gains, &new).supports(0.1));
             black_box((recent.explains(&damaged, [0.3, 0.1, 0.05]), recent.prefers(&model, &damaged)));
             continue;
         }

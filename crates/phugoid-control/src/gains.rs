@@ -84,6 +84,21 @@ impl Gains {
         (model.is_finite() && gains.is_finite()).then_some(gains)
     }
 
+    /// The same wanted motion with the surfaces that are `free` to be moved; `None` if that has numbers that are not finite.
+    pub fn with_free(&self, free: [bool; SURFACES]) -> Option<Self> {
+        Some(Self { inverse: weighted_inverse(&self.surfaces, free)?, free, ..*self })
+    }
+
+    /// The angular accelerations by feedback variables and surfaces that the gains were made for; what they do not tell is zero.
+    pub fn modelled(&self) -> LocalModel {
+        let natural = |i: usize, j: usize| self.wanted[i][j] - self.added[i][j];
+        LocalModel {
+            rates: core::array::from_fn(|i| core::array::from_fn(|j| natural(i, j))),
+            surfaces: self.surfaces,
+            ..LocalModel::default()
+        }
+    }
+
     /// Deflections by the feedback variables: what the law is for small motions.
     pub fn feedback(&self) -> [[f64; VARIABLES]; SURFACES] {
         core::array::from_fn(|i| {

@@ -109,23 +109,36 @@ pub fn worst(estimate: &Estimate, gains: &Gains) -> Excess {
     }
 }
 
-/// Whether the bounds support a change from the gains `now` to `new`: somewhere the worst motion gets better by `gain` (1/s), and
-/// nowhere worse by half as much. Beyond half a second's decay on the safe side nothing is counted as better or worse.
-pub fn supports(estimate: &Estimate, now: &Gains, new: &Gains, gain: f64) -> bool {
-    let (before, after) = (worst(estimate, now), worst(estimate, new));
-    let better = |before: f64, after: f64| after.max(SAFE) < before.max(SAFE) - gain;
-    let worse = |before: f64, after: f64| after.max(SAFE) > before.max(SAFE) + 0.5 * gain;
-    let pairs = [(before.pitch, after.pitch), (before.lateral, after.lateral), (before.whole, after.whole)];
-    let finite = pairs.iter().all(|(_, after)| after.is_finite());
-    finite && pairs.iter().any(|(b, a)| better(*b, *a)) && !pairs.iter().any(|(b, a)| worse(*b, *a))
+/// The worst motions within the bounds of an estimate with two sets of gains.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Comparison {
+    before: Excess,
+    after: Excess,
 }
 
-/// As [`supports`], for a change that is wanted for another reason than the worst motion: that must not get worse by `loss` (1/s)
-/// anywhere.
-pub fn allows(estimate: &Estimate, now: &Gains, new: &Gains, loss: f64) -> bool {
-    let (before, after) = (worst(estimate, now), worst(estimate, new));
-    let pairs = [(before.pitch, after.pitch), (before.lateral, after.lateral), (before.whole, after.whole)];
-    pairs.iter().all(|(before, after)| after.is_finite() && after.max(SAFE) <= before.max(SAFE) + loss)
+impl Comparison {
+    /// The comparison of the gains `now` with the gains `new`: the dearest computation of a decision, done once.
+    pub fn new(estimate: &Estimate, now: &Gains, new: &Gains) -> Self {
+        Self { before: worst(estimate, now), after: worst(estimate, new) }
+    }
+
+    /// Whether the bounds support the change: somewhere the worst motion gets better by `gain` (1/s), and nowhere worse by half as
+    /// much. Beyond half a second's decay on the safe side nothing is counted as better or worse.
+    pub fn supports(&self, gain: f64) -> bool {
+        let is_better = self.pairs().iter().any(|(before, after)| after.max(SAFE) < before.max(SAFE) - gain);
+        is_better && self.allows(0.5 * gain)
+    }
+
+    /// Whether the bounds allow a change that is wanted for another reason than the worst motion: that does not get worse by more
+    /// than `loss` (1/s) anywhere.
+    pub fn allows(&self, loss: f64) -> bool {
+        self.pairs().iter().all(|(before, after)| after.is_finite() && after.max(SAFE) <= before.max(SAFE) + loss)
+    }
+
+    fn pairs(&self) -> [(f64, f64); 3] {
+        let (before, after) = (&self.before, &self.after);
+        [(before.pitch, after.pitch), (before.lateral, after.lateral), (before.whole, after.whole)]
+    }
 }
 
 /// Of several candidates the gains whose worst motion over all these models is best: fixed gains for everything that may happen.
@@ -221,9 +234,9 @@ mod tests {
             let known = known_to(part);
             Estimate { model: damaged, ..known }
         };
-        assert!(supports(&estimate(0.02), &before, &after, 0.1));
-        assert!(!supports(&estimate(3.0), &before, &after, 0.1));
-        assert!(!supports(&estimate(0.02), &after, &after, 0.1));
+        assert!(Comparison::new(&estimate(0.02), &before, &after).supports(0.1));
+        assert!(!Comparison::new(&estimate(3.0), &before, &after).supports(0.1));
+        assert!(!Comparison::new(&estimate(0.02), &after, &after).supports(0.1));
     }
 
     #[test]

@@ -90,21 +90,56 @@ impl Hashed {
 /// The logs that a shard has to do, each content once, in the order of their names; copies and logs of other shards are
 /// counted. Every engine asks this function, so that all do the same.
 pub fn plan(logs: Vec<Hashed>, task: &Task, shard: Shard) -> (Vec<Hashed>, Summary) {
-    let mut summary = Summary { files: logs.len(), ..Summary::default() };
+    let hashed = logs.into_iter().map(|log| (log.hash(task), log));
+    share_out(hashed.collect(), shard)
+}
+
+/// The pieces of work of a shard, each key once, in their order; copies and those of other shards are counted.
+pub(crate) fn share_out<W>(pieces: Vec<(String, W)>, shard: Shard) -> (Vec<W>, Summary) {
+    let mut summary = Summary { files: pieces.len(), ..Summary::default() };
     let mut seen = HashSet::new();
     let mut work = Vec::new();
-    for log in logs {
-        let hash = log.hash(task);
-        let is_ours = shard.has(&hash);
-        if !seen.insert(hash) {
+    for (key, piece) in pieces {
+        let is_ours = shard.has(&key);
+        if !seen.insert(key) {
             summary.copies += 1;
         } else if is_ours {
-            work.push(log);
+            work.push(piece);
         } else {
             summary.of_others += 1;
         }
     }
     (work, summary)
+}
+
+/// Does every piece of work with `one` on the threads of a pool and counts what became of them. `progress` is called after each,
+/// from any thread; when `stop` becomes true no other begins.
+pub(crate) fn each<W: Send>(
+    pool: &ThreadPool,
+    work: Vec<W>,
+    summary: &mut Summary,
+    one: impl Fn(W) -> Result<Outcome, StoreError> + Sync,
+    progress: &(dyn Fn(Progress) + Sync),
+    stop: &AtomicBool,
+) -> Result<(), StoreError> {
+    let (found, done) = (AtomicUsize::new(0), AtomicUsize::new(0));
+    let all = work.len();
+    let counted = |piece: W| -> Result<Outcome, StoreError> {
+        let outcome = one(piece)?;
+        found.fetch_add(usize::from(outcome == Outcome::Found), Ordering::Relaxed);
+        let done = done.fetch_add(1, Ordering::Relaxed) + 1;
+        progress(Progress { done, all, found: found.load(Ordering::Relaxed) });
+        Ok(outcome)
+    };
+    let begun = |piece| if stop.load(Ordering::Relaxed) { None } else { Some(counted(piece)) };
+    let results: Vec<Option<Result<_, StoreError>>> = pool.install(|| work.into_par_iter().map(begun).collect());
+    for result in results {
+        match result.transpose()? {
+            None => summary.left += 1,
+            Some(outcome) => summary.add(outcome),
+        }
+    }
+    Ok(())
 }
 
 /// What has become of one log.
@@ -186,25 +221,8 @@ pub fn run(
     store.write_model(task.model_sha256(), task.model_text())?;
     let hashed = pool.install(|| files.par_iter().map(|path| Hashed::of(path)).collect());
     let (work, mut summary) = plan(hashed, task, share.shard);
-    let (found, done) = (AtomicUsize::new(0), AtomicUsize::new(0));
-    let all = work.len();
-    let unit = |log: Hashed| -> Result<Outcome, StoreError> {
-        let outcome = one(&log, &log.name, task, flights, store)?;
-        found.fetch_add(usize::from(outcome == Outcome::Found), Ordering::Relaxed);
-        let done = done.fetch_add(1, Ordering::Relaxed) + 1;
-        progress(Progress { done, all, found: found.load(Ordering::Relaxed) });
-        Ok(outcome)
-    };
-    let results: Vec<Option<Result<_, StoreError>>> = pool.install(|| {
-        let begun = |log| if stop.load(Ordering::Relaxed) { None } else { Some(unit(log)) };
-        work.into_par_iter().map(begun).collect()
-    });
-    for result in results {
-        match result.transpose()? {
-            None => summary.left += 1,
-            Some(outcome) => summary.add(outcome),
-        }
-    }
+    let unit = |log: Hashed| one(&log, &log.name, task, flights, store);
+    each(&pool, work, &mut summary, unit, progress, stop)?;
     Ok(summary)
 }
 

@@ -3,9 +3,9 @@
 use phugoid_control::excitation::{Excitation, Now, Settings as ExcitationSettings};
 use phugoid_control::following::{Follower, Following};
 use phugoid_control::gains::Gains;
-use phugoid_control::interval::{Estimate, allows, supports};
+use phugoid_control::interval::{Comparison, Estimate};
 use phugoid_control::law::{Law, Measured};
-use phugoid_control::local::{AXES, LocalModel, SURFACES};
+use phugoid_control::local::{AXES, SURFACES};
 use phugoid_control::prediction::Recent;
 use phugoid_control::qualities::{Category, qualities};
 use phugoid_control::target::Targets;
@@ -87,9 +87,9 @@ impl Controller {
         self.law.gains()
     }
 
-    /// The surfaces that still do what they are told.
-    pub fn free(&self) -> [bool; SURFACES] {
-        self.free
+    /// Whether the next decision is asked for at a time (s): until then no estimate is looked at, but for the excitation.
+    pub fn is_due(&self, time_s: f64) -> bool {
+        time_s >= self.next_s
     }
 
     /// Size of the excitation of each surface, 0 to 1.
@@ -138,8 +138,7 @@ impl Controller {
                 self.law.set_rate_limits(slowed);
             }
         }
-        let due = told.time_s >= self.next_s;
-        if !(due || lost) {
+        if !(self.is_due(told.time_s) || lost) {
             return decisions;
         }
         self.next_s = told.time_s + EVERY;
@@ -151,15 +150,14 @@ impl Controller {
                 || lost
                 || (told.is_settled
                     && self.recent.explains(&estimate.model, FLOOR)
-                    && self.recent.prefers(&modelled(&now), &estimate.model)
+                    && self.recent.prefers(&now.modelled(), &estimate.model)
                     && is_better(estimate, &now, &new));
             if is_better && self.law.change_gains(new) {
                 decisions.push(Decision::NewGains);
             }
         } else if lost {
             // Nothing new is known of the aircraft: the same motion with the surfaces that are left.
-            let model = modelled(&now);
-            if let Some(new) = Gains::place_with(&model, &self.targets, self.free).map(|new| keep(&now, new)) {
+            if let Some(new) = now.with_free(self.free) {
                 self.law.change_gains(new);
                 decisions.push(Decision::NewGains);
             }
@@ -196,7 +194,8 @@ fn is_better(estimate: &Estimate, now: &Gains, new: &Gains) -> bool {
         let matrix = estimate.model.closed_loop(&gains.feedback());
         qualities(&matrix, estimate.model.load_factor_per_alpha(), Category::B).level()
     };
-    supports(estimate, now, new, WORTH) || (level(new) < level(now) && allows(estimate, now, new, 0.5 * WORTH))
+    let comparison = Comparison::new(estimate, now, new);
+    comparison.supports(WORTH) || (level(new) < level(now) && comparison.allows(0.5 * WORTH))
 }
 
 /// By how much the bounds of what each surface has to tell are too wide: two standard errors of the main effect of the surface
@@ -216,23 +215,4 @@ fn widths(estimate: &Estimate, free: [bool; SURFACES]) -> [f64; SURFACES] {
         let effect = 2.0 * error.surfaces[axis][j] / (0.25 * model.surfaces[axis][j].abs().max(1.0));
         VARIABLES[j].iter().map(|v| 2.0 * error.rates[axis][*v] / UNIT[*v]).fold(effect, f64::max)
     })
-}
-
-/// The model that gains were made for, as far as they tell it.
-fn modelled(gains: &Gains) -> LocalModel {
-    LocalModel {
-        rates: std::array::from_fn(|i| std::array::from_fn(|j| gains.wanted[i][j] - gains.added[i][j])),
-        surfaces: gains.surfaces,
-        constant: gains.constant,
-        alpha_by_alpha: gains.lift,
-        beta_by_beta: -0.3,
-        speed: 1.0,
-        gravity: 1.0,
-        ..LocalModel::default()
-    }
-}
-
-/// `new` with the wanted motion of `now`.
-fn keep(now: &Gains, new: Gains) -> Gains {
-    Gains { wanted: now.wanted, added: now.added, ..new }
 }

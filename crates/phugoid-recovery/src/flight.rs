@@ -9,14 +9,16 @@ use phugoid_control::local::SURFACES;
 use phugoid_control::target::Targets;
 use phugoid_estimators::ChangeState;
 use phugoid_flight_dynamics::aircraft::{Aircraft, Controls};
+use phugoid_flight_dynamics::built_in::AircraftName;
 use phugoid_flight_dynamics::trim::Trim;
 use phugoid_identification::estimate::EstimateOptions;
 use phugoid_identification::estimation::EventKind;
 use phugoid_identification::method::Method;
-use phugoid_identification::model_file::ModelFile;
+use phugoid_identification::model_file::{Base, ModelFile};
 use phugoid_identification::session::{Session, Step};
 use phugoid_simulation::course::Course;
 use phugoid_simulation::flight::trimmed_aircraft;
+use phugoid_simulation::quantity::Length;
 use phugoid_simulation::scenario::Scenario;
 use serde::{Deserialize, Serialize};
 
@@ -160,8 +162,57 @@ pub fn fly(scenario: &Scenario, settings: &Settings, model: &ModelFile) -> Resul
             scenario.name
         )));
     }
+    if scenario.sensors.accelerometers != <[Length; 3]>::default() || scenario.sensors.vanes != <[Length; 3]>::default()
+    {
+        return Err(RecoveryError::Unsuitable(format!(
+            "{}: sensors of a flight in closed loop are at the centre of gravity: leave `accelerometers` and `vanes` out",
+            scenario.name
+        )));
+    }
+    if scenario.aircraft.damaged_at.is_some() {
+        return Err(RecoveryError::Unsuitable(format!(
+            "{}: `damaged_at` is not flown in closed loop: say what changes under [[damage]]",
+            scenario.name
+        )));
+    }
+    if settings.control == Control::Adaptive {
+        fits(&scenario, model)?;
+    }
     let (aircraft, trim) = trimmed_aircraft(&scenario)?;
     Loop::new(&scenario, aircraft.as_ref(), trim, settings, model)?.run()
+}
+
+/// Refuses a model whose parameters are no increments to the aircraft that flies, about the trim that it flies from: they would be
+/// read as if they were, and gains and margins would be those of another aircraft.
+fn fits(scenario: &Scenario, model: &ModelFile) -> Result<(), RecoveryError> {
+    // One per cent of the speed moves the angle of attack of the trim by less than the declared constant error of a vane.
+    const SPEED: f64 = 0.01;
+    let refused = |why: String| Err(RecoveryError::Unsuitable(format!("{}: {why}", scenario.name)));
+    if model.base != Base::F16 || scenario.aircraft.kind != Some(AircraftName::F16) {
+        return refused(format!(
+            "the adaptive control estimates increments to the F-16 (`base = \"f16\"` in the model, `type = \"f16\"` in the scenario), and \
+             `{}` with this scenario is not that. Fly with --control fixed, robust or oracle",
+            model.name
+        ));
+    }
+    let (flown, known) = (scenario.aircraft.cg.unwrap_or(0.35), model.aircraft.cg);
+    if known != Some(flown) {
+        return refused(format!(
+            "the centre of gravity is at {flown} of the mean chord, and in the model `{}` at {}: give both the same",
+            model.name,
+            known.map_or("no stated place".to_owned(), |cg| cg.to_string())
+        ));
+    }
+    let speed = scenario.condition.speed.si();
+    match model.aircraft.reference_speed {
+        Some(reference) if (reference / speed - 1.0).abs() <= SPEED => Ok(()),
+        reference => refused(format!(
+            "the flight begins at {speed:.1} m/s, and the increments of the model `{}` count from a trim at {} m/s: give \
+             `reference_speed` the speed of the scenario",
+            model.name,
+            reference.map_or("no stated speed, in".to_owned(), |reference| format!("{reference:.1}"))
+        )),
+    }
 }
 
 /// Gains for the undamaged aircraft in its trim.
@@ -340,7 +391,8 @@ impl<'a, A: Aircraft> Loop<'a, A> {
         let channels = ["alpha", "beta", "p", "q", "r"].map(|name| reading.channel(name));
         let surfaces = NAMES.map(|name| reading.channel(name));
         let measured = Measured { variables: channels, surfaces };
-        let truth = (self.settings.control == Control::Oracle).then(|| self.truth());
+        let is_asked = self.settings.control == Control::Oracle && self.controller.is_due(time);
+        let truth = is_asked.then(|| self.truth());
         let told = Told {
             time_s: time,
             measured,

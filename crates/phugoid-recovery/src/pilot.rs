@@ -2,7 +2,6 @@
 
 use phugoid_control::law::Demand;
 use phugoid_flight_dynamics::trim::Trim;
-use phugoid_simulation::manoeuvre::Surface;
 use phugoid_simulation::scenario::{Scenario, ScenarioError};
 
 use crate::sensing::Reading;
@@ -52,27 +51,14 @@ impl Pilot {
     /// # Errors
     /// [`ScenarioError`]: a manoeuvre that cannot be flown.
     pub fn new(scenario: &Scenario, trim: &Trim, gravity: f64) -> Result<Self, ScenarioError> {
-        let rate = scenario.sample_rate.si();
-        let time: Vec<f64> = (0..scenario.samples()).map(|k| k as f64 / rate).collect();
-        let mut stick = [vec![0.0; time.len()], vec![0.0; time.len()], vec![0.0; time.len()]];
-        for manoeuvre in &scenario.manoeuvre {
-            let [elevator, aileron, rudder] = &mut stick;
-            let sum = match manoeuvre.surface() {
-                Surface::Elevator => elevator,
-                Surface::Aileron => aileron,
-                Surface::Rudder => rudder,
-            };
-            let added = manoeuvre.deflections(&time, scenario.seed, &scenario.folder)?;
-            sum.iter_mut().zip(added).for_each(|(sum, added)| *sum += added);
-        }
         Ok(Self {
-            stick,
+            stick: scenario.deflections()?,
             altitude: trim.altitude_m,
             speed: trim.speed_m_s,
             throttle: trim.throttle,
             alpha: trim.alpha_rad,
             slow: 0.0,
-            sample_time: 1.0 / rate,
+            sample_time: 1.0 / scenario.sample_rate.si(),
             gravity,
             last: [trim.phi_rad, trim.theta_rad, trim.alpha_rad, trim.speed_m_s, trim.altitude_m],
         })

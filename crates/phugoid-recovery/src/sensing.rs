@@ -3,37 +3,36 @@
 use phugoid_flight_dynamics::sensors::{Sensor, SensorError};
 use phugoid_flight_dynamics::simulate::TrajectorySample;
 use phugoid_simulation::scenario::Scenario;
-use phugoid_simulation::sensing::specification;
-use rand::{RngExt, SeedableRng};
+use phugoid_simulation::sensing::{frame_stream, is_framed, specification};
+use phugoid_simulation::signals::signal;
+use rand::RngExt;
 use rand_pcg::Pcg64;
 
-type Get = fn(&TrajectorySample) -> f64;
-
-/// What the sensors measure, SI, and whether it comes in a frame that may be missing as a whole.
-const CHANNELS: [(&str, Get, bool); 16] = [
-    ("true_airspeed", |s| s.air.speed, true),
-    ("alpha", |s| s.air.alpha, true),
-    ("beta", |s| s.air.beta, true),
-    ("phi", |s| s.state.phi, true),
-    ("theta", |s| s.state.theta, true),
-    ("p", |s| s.state.p, true),
-    ("q", |s| s.state.q, true),
-    ("r", |s| s.state.r, true),
-    ("ax", |s| s.specific_force[0], true),
-    ("ay", |s| s.specific_force[1], true),
-    ("az", |s| s.specific_force[2], true),
-    ("altitude", |s| s.state.altitude, false),
-    ("elevator", |s| s.surfaces.elevator, false),
-    ("aileron", |s| s.surfaces.aileron, false),
-    ("rudder", |s| s.surfaces.rudder, false),
-    ("thrust", |s| s.thrust(), false),
+/// What the sensors measure: the channels that a model of the whole motion may ask for.
+const CHANNELS: [&str; 16] = [
+    "true_airspeed",
+    "alpha",
+    "beta",
+    "phi",
+    "theta",
+    "p",
+    "q",
+    "r",
+    "ax",
+    "ay",
+    "az",
+    "altitude",
+    "elevator",
+    "aileron",
+    "rudder",
+    "thrust",
 ];
 
 /// The sensors of one flight.
 pub struct Sensors {
     sensors: Vec<Sensor>,
     drops: f64,
-    random: Pcg64,
+    frames: Pcg64,
 }
 
 /// What was measured at one instant, SI; NaN where a value is missing.
@@ -43,7 +42,7 @@ pub struct Reading([f64; CHANNELS.len()]);
 impl Reading {
     /// The value of a channel by its canonical name; NaN for one that is missing or not measured.
     pub fn channel(&self, name: &str) -> f64 {
-        let place = CHANNELS.iter().position(|(channel, ..)| *channel == name);
+        let place = CHANNELS.iter().position(|channel| *channel == name);
         place.and_then(|i| self.0.get(i)).copied().unwrap_or(f64::NAN)
     }
 }
@@ -54,13 +53,13 @@ impl Sensors {
     /// # Errors
     /// [`SensorError`]: a specification that cannot be.
     pub fn new(scenario: &Scenario) -> Result<Self, SensorError> {
-        let sensor = |(index, (name, ..)): (usize, &(&str, Get, bool))| {
+        let sensor = |(index, name): (usize, &&str)| {
             Sensor::new(specification(&scenario.sensors, name).unwrap_or_default(), scenario.seed, index)
         };
         Ok(Self {
             sensors: CHANNELS.iter().enumerate().map(sensor).collect::<Result<_, _>>()?,
             drops: scenario.sensors.drops,
-            random: Pcg64::seed_from_u64(scenario.seed ^ 0x6672_616d_6573),
+            frames: frame_stream(scenario.seed),
         })
     }
 
@@ -69,11 +68,12 @@ impl Sensors {
     /// # Errors
     /// [`SensorError::TimeBackwards`].
     pub fn read(&mut self, sample: &TrajectorySample) -> Result<Reading, SensorError> {
-        let dropped = self.random.random::<f64>() < self.drops;
+        let dropped = self.frames.random::<f64>() < self.drops;
         let mut values = [f64::NAN; CHANNELS.len()];
-        for ((value, sensor), (_, get, framed)) in values.iter_mut().zip(&mut self.sensors).zip(CHANNELS) {
-            let measured = sensor.measure(sample.time, get(sample))?;
-            if !(framed && dropped) {
+        for ((value, sensor), name) in values.iter_mut().zip(&mut self.sensors).zip(CHANNELS) {
+            let Some(truth) = signal(name) else { continue };
+            let measured = sensor.measure(sample.time, truth(sample))?;
+            if !(dropped && is_framed(name)) {
                 *value = measured;
             }
         }

@@ -77,6 +77,8 @@ pub struct Course<'a, A> {
     positions: [f64; 3],
     /// Where a surface was when each failure of the scenario happened, rad; none before.
     failed: Vec<Option<f64>>,
+    /// What each damage of the scenario changes beside increments, once it is complete.
+    effects: Vec<Effects>,
     /// Whether anything but increments changes.
     alters: bool,
 }
@@ -108,6 +110,7 @@ impl<'a, A: Aircraft> Course<'a, A> {
             duration: g.duration.si(),
             delay: g.start.si(),
         };
+        let effects = scenario.complete_effects();
         let mut course = Self {
             scenario,
             aircraft,
@@ -119,7 +122,8 @@ impl<'a, A: Aircraft> Course<'a, A> {
             turbulence: turbulence(scenario, aircraft.geometry().span, scenario.samples())?,
             positions: [controls.elevator, controls.aileron, controls.rudder],
             failed: vec![None; scenario.failure.len()],
-            alters: !scenario.failure.is_empty() || scenario.damage.iter().any(|damage| damage.has_effects()),
+            alters: !scenario.failure.is_empty() || effects.iter().any(|effects| *effects != Effects::NONE),
+            effects,
         };
         course.change_aircraft();
         course.fail();
@@ -193,13 +197,8 @@ impl<'a, A: Aircraft> Course<'a, A> {
     pub fn obeys(&self) -> [bool; 3] {
         let mut obeys = [true; 3];
         for (failure, failed) in self.scenario.failure.iter().zip(&self.failed) {
-            let place = match failure.surface {
-                Surface::Elevator => 0,
-                Surface::Aileron => 1,
-                Surface::Rudder => 2,
-            };
             if failed.is_some() {
-                obeys[place] = !matches!(failure.kind, FailureKind::Jam | FailureKind::Float);
+                obeys[failure.surface.index()] = !matches!(failure.kind, FailureKind::Jam | FailureKind::Float);
             }
         }
         obeys
@@ -231,7 +230,7 @@ impl<'a, A: Aircraft> Course<'a, A> {
             over > 0.0 && (at..at + over).contains(&time)
         };
         let grows = self.scenario.damage.iter().any(growing);
-        let effects: Effects = self.scenario.effects_at(if grows { time + half } else { time });
+        let effects = self.scenario.effects_of(&self.effects, if grows { time + half } else { time });
         let flown = self.flown();
         Damaged::new(flown, effects, &self.trim).with_actuators(self.actuators(*flown.actuators()))
     }
@@ -273,12 +272,7 @@ impl<'a, A: Aircraft> Course<'a, A> {
         let positions = if self.scenario.aircraft.actuators { self.stepper.positions() } else { self.positions };
         for (failure, failed) in self.scenario.failure.iter().zip(&mut self.failed) {
             if failed.is_none() && failure.at.si() <= time {
-                let [elevator, aileron, rudder] = positions;
-                *failed = Some(match failure.surface {
-                    Surface::Elevator => elevator,
-                    Surface::Aileron => aileron,
-                    Surface::Rudder => rudder,
-                });
+                *failed = Some(positions[failure.surface.index()]);
             }
         }
     }

@@ -19,10 +19,10 @@ use crate::constant_thrust::ConstantThrust;
 use crate::course::{Change, Course};
 use crate::damaged::{Damaged, Effects};
 use crate::equivalent::damage_increments;
-use crate::manoeuvre::Surface;
 use crate::model_error::Misjudged;
 use crate::scenario::{ModelError, RecordedSurfaces, Scenario, ScenarioError, Thrust};
 use crate::sensing::{command_channel, measure};
+use crate::signals::{SIGNALS, Signal};
 
 /// A flown scenario: what the sensors measured, what was true, and where the flight started.
 #[derive(Clone, Debug)]
@@ -52,7 +52,7 @@ const ATTITUDE: f64 = 1.0;
 impl Flight {
     /// As [`true_parameters`](Self::true_parameters), at a time (s).
     pub fn true_parameters_at(&self, time: f64) -> BTreeMap<String, f64> {
-        let mut truth = self.scenario.true_parameters_at(time);
+        let mut truth = self.scenario.increments_and_biases_at(time);
         for (name, error) in &self.error_increments {
             truth.entry(name.clone()).and_modify(|value| *value += error);
         }
@@ -211,16 +211,17 @@ fn fly_changed<A: Aircraft>(
             trajectory(&scenario, &frozen, change, &trim, progress)?
         }
     };
+    let effects = scenario.complete_effects();
     let thrust = |s: &TrajectorySample| match scenario.aircraft.thrust {
         Thrust::Engine => s.thrust(),
-        Thrust::Constant => trim.thrust_n * scenario.effects_at(s.time).thrust,
+        Thrust::Constant => trim.thrust_n * scenario.effects_of(&effects, s.time).thrust,
     };
     let truth = true_record(&scenario, &trajectory, thrust);
     let measured = sense(&truth, &scenario, scenario.seed)?;
     let whole = known.data_range();
     // Damaged, the data end earlier.
     let data_range = changed.map_or(whole, |changed| changed.data_range().within(&whole));
-    let damage_increments = scenario.damage.iter().map(|damage| match damage.effects() {
+    let damage_increments = scenario.damage.iter().zip(effects).map(|(damage, effects)| match effects {
         Effects::NONE => BTreeMap::new(),
         effects => {
             let increments = damage.increments.about(trim.alpha_rad, trim.q_rad_s, trim.elevator_rad);
@@ -283,21 +284,10 @@ fn trajectory<A: Aircraft>(
     progress: &dyn Fn(f64),
 ) -> Result<Trajectory, FlightError> {
     let trim_controls = trim.controls();
-    let time: Vec<f64> = (0..scenario.samples()).map(|k| k as f64 / scenario.sample_rate.si()).collect();
-    // Deflections from trim of elevator, aileron and rudder at each sample.
-    let mut deflections = [vec![0.0; time.len()], vec![0.0; time.len()], vec![0.0; time.len()]];
-    for manoeuvre in &scenario.manoeuvre {
-        let sum = match manoeuvre.surface() {
-            Surface::Elevator => &mut deflections[0],
-            Surface::Aileron => &mut deflections[1],
-            Surface::Rudder => &mut deflections[2],
-        };
-        let added = manoeuvre.deflections(&time, scenario.seed, &scenario.folder)?;
-        sum.iter_mut().zip(added).for_each(|(sum, added)| *sum += added);
-    }
+    let (count, deflections) = (scenario.samples(), scenario.deflections()?);
     let commands = |k: usize| {
         if k.is_multiple_of(1000) {
-            progress(k as f64 / time.len() as f64);
+            progress(k as f64 / count as f64);
         }
         Controls {
             throttle: trim_controls.throttle,
@@ -307,11 +297,11 @@ fn trajectory<A: Aircraft>(
         }
     };
     let mut course = Course::new(scenario, aircraft, change, trim)?;
-    let mut samples = Vec::with_capacity(time.len());
-    for k in 0..time.len() {
+    let mut samples = Vec::with_capacity(count);
+    for k in 0..count {
         let commands = commands(k);
         samples.push(course.sample(commands));
-        if k + 1 < time.len() {
+        if k + 1 < count {
             course.advance(commands)?;
         }
     }
@@ -320,36 +310,8 @@ fn trajectory<A: Aircraft>(
 
 /// The trajectory as a record of canonical channels.
 fn true_record(scenario: &Scenario, trajectory: &Trajectory, thrust: impl Fn(&TrajectorySample) -> f64) -> Record {
-    type Get = fn(&TrajectorySample) -> f64;
-    const CHANNELS: &[(&str, Quantity, Get)] = &[
-        ("true_airspeed", Quantity::Speed, |s| s.air.speed),
-        ("alpha", Quantity::Angle, |s| s.air.alpha),
-        ("beta", Quantity::Angle, |s| s.air.beta),
-        ("phi", Quantity::Angle, |s| s.state.phi),
-        ("theta", Quantity::Angle, |s| s.state.theta),
-        ("psi", Quantity::Angle, |s| s.state.psi),
-        ("p", Quantity::AngularRate, |s| s.state.p),
-        ("q", Quantity::AngularRate, |s| s.state.q),
-        ("r", Quantity::AngularRate, |s| s.state.r),
-        ("pdot", Quantity::AngularAcceleration, |s| s.angular_acceleration[0]),
-        ("qdot", Quantity::AngularAcceleration, |s| s.angular_acceleration[1]),
-        ("rdot", Quantity::AngularAcceleration, |s| s.angular_acceleration[2]),
-        ("ax", Quantity::Acceleration, |s| s.specific_force[0]),
-        ("ay", Quantity::Acceleration, |s| s.specific_force[1]),
-        ("az", Quantity::Acceleration, |s| s.specific_force[2]),
-        ("elevator", Quantity::Angle, |s| s.surfaces.elevator),
-        ("aileron", Quantity::Angle, |s| s.surfaces.aileron),
-        ("rudder", Quantity::Angle, |s| s.surfaces.rudder),
-        ("throttle", Quantity::Number, |s| s.commands.throttle),
-        ("altitude", Quantity::Length, |s| s.state.altitude),
-        ("north", Quantity::Length, |s| s.state.north),
-        ("east", Quantity::Length, |s| s.state.east),
-        ("air_density", Quantity::Density, |s| s.air.density),
-        ("dynamic_pressure", Quantity::Pressure, |s| s.air.dynamic_pressure),
-        ("mach", Quantity::Number, |s| s.air.mach),
-    ];
     let samples = &trajectory.samples;
-    let mut channels: Vec<Channel> = CHANNELS
+    let mut channels: Vec<Channel> = SIGNALS
         .iter()
         .map(|(name, quantity, get)| Channel {
             name: (*name).to_owned(),
@@ -358,7 +320,7 @@ fn true_record(scenario: &Scenario, trajectory: &Trajectory, thrust: impl Fn(&Tr
         })
         .collect();
     if scenario.model_error.surfaces == RecordedSurfaces::Commanded {
-        const COMMANDS: [(&str, Get); 3] = [
+        const COMMANDS: [(&str, Signal); 3] = [
             ("elevator", |s| s.commands.elevator),
             ("aileron", |s| s.commands.aileron),
             ("rudder", |s| s.commands.rudder),

@@ -14,5 +14,6 @@ pub mod named;
 pub mod quantity;
 pub mod scenario;
 pub mod sensing;
+pub mod signals;
 mod text;
 mod toml_tree;

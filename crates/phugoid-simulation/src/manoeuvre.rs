@@ -26,6 +26,15 @@ pub enum Surface {
 }
 
 impl Surface {
+    /// Its place wherever all surfaces stand together: elevator, aileron, rudder.
+    pub fn index(self) -> usize {
+        match self {
+            Self::Elevator => 0,
+            Self::Aileron => 1,
+            Self::Rudder => 2,
+        }
+    }
+
     /// Name of the surface's channel in records and model files, for instance `elevator`.
     pub fn name(self) -> &'static str {
         match self {

@@ -105,13 +105,25 @@ impl Scenario {
     /// True values, at the end of the flight, of what a model file may ask for, by its names: the increments about the trim
     /// (`dCm_alpha`, ..., `dCn_rudder`), zero or not, the constant ones (`dCY_0`, ...), which are zero, and the sensors'
     /// constant errors (`bias_alpha`, ...), SI. Of an aircraft from a model file that flies as its file says, the values in
-    /// that file (`Cm_alpha`, ...) as well; of one that is damaged in flight the sensors' errors alone.
+    /// that file (`Cm_alpha`, ...) as well; of one that is damaged in flight otherwise than by increments the sensors' errors alone:
+    /// what such damage amounts to depends on the trim, and [`Flight::true_parameters_at`](crate::flight::Flight::true_parameters_at)
+    /// has it.
     pub fn true_parameters(&self) -> BTreeMap<String, f64> {
         self.true_parameters_at(f64::INFINITY)
     }
 
     /// As [`true_parameters`](Self::true_parameters), at a time (s).
     pub fn true_parameters_at(&self, time: f64) -> BTreeMap<String, f64> {
+        let mut truth = self.increments_and_biases_at(time);
+        let damaged = self.damage.iter().any(|damage| damage.at.si() <= time && damage.has_effects());
+        if damaged {
+            truth.retain(|name, _| name.starts_with("bias_"));
+        }
+        truth
+    }
+
+    /// As [`true_parameters_at`](Self::true_parameters_at), without what damage amounts to beside increments.
+    pub(crate) fn increments_and_biases_at(&self, time: f64) -> BTreeMap<String, f64> {
         let drawn = self.drawn();
         let increments = drawn.increments_at(time).named();
         let constants = ["dCL_0", "dCD_0", "dCm_0", "dCY_0", "dCl_0", "dCn_0"].map(|name| (name, 0.0));
@@ -153,11 +165,18 @@ impl Scenario {
 
     /// What damage has changed at a time (s) beside the increments.
     pub fn effects_at(&self, time: f64) -> Effects {
-        let mut now = Effects::NONE;
-        for damage in self.damage.iter().filter(|damage| damage.at.si() <= time) {
-            now = damage.effects_after(&now, time);
-        }
-        now
+        self.effects_of(&self.complete_effects(), time)
+    }
+
+    /// What each damage changes beside the increments once it is complete: read from the tables of the file once for a flight.
+    pub(crate) fn complete_effects(&self) -> Vec<Effects> {
+        self.damage.iter().map(Damage::effects).collect()
+    }
+
+    /// As [`effects_at`](Self::effects_at), from the [`complete_effects`](Self::complete_effects).
+    pub(crate) fn effects_of(&self, complete: &[Effects], time: f64) -> Effects {
+        let begun = self.damage.iter().zip(complete).filter(|(damage, _)| damage.at.si() <= time);
+        begun.fold(Effects::NONE, |now, (damage, complete)| damage.effects_after(&now, complete, time))
     }
 
     /// Parses the text of a scenario; `place` is its name in messages.
@@ -170,6 +189,21 @@ impl Scenario {
     /// Number of samples, both ends included.
     pub fn samples(&self) -> usize {
         (self.duration.si() * self.sample_rate.si() + 1e-9) as usize + 1
+    }
+
+    /// What the manoeuvres ask of elevator, aileron and rudder at each sample, rad from trim.
+    ///
+    /// # Errors
+    /// [`ScenarioError`]: a manoeuvre that cannot be flown, such as a recorded input that cannot be read.
+    pub fn deflections(&self) -> Result<[Vec<f64>; 3], ScenarioError> {
+        let time: Vec<f64> = (0..self.samples()).map(|k| k as f64 / self.sample_rate.si()).collect();
+        let mut deflections = [vec![0.0; time.len()], vec![0.0; time.len()], vec![0.0; time.len()]];
+        for manoeuvre in &self.manoeuvre {
+            let added = manoeuvre.deflections(&time, self.seed, &self.folder)?;
+            let sum = &mut deflections[manoeuvre.surface().index()];
+            sum.iter_mut().zip(added).for_each(|(sum, added)| *sum += added);
+        }
+        Ok(deflections)
     }
 
     /// Checks what the text of a file cannot show by itself, such as ranges and the order of damages.

@@ -13,6 +13,16 @@ use crate::scenario::{ModelError, RecordedSurfaces, ScenarioError, Sensors};
 const FRAME: &[&str] =
     &["true_airspeed", "alpha", "beta", "phi", "theta", "psi", "p", "q", "r", "pdot", "qdot", "rdot", "ax", "ay", "az"];
 
+/// Whether a channel comes in the frame of air data and inertial sensors, which may be missing as a whole.
+pub fn is_framed(channel: &str) -> bool {
+    FRAME.contains(&channel)
+}
+
+/// The stream that decides which frames of a flight are missing: its own, so that dropping frames changes no sensor's noise.
+pub fn frame_stream(seed: u64) -> Pcg64 {
+    Pcg64::seed_from_u64(seed ^ 0x6672_616d_6573)
+}
+
 /// Channels that are there in symmetric flight too, where all others stay at zero.
 const LONGITUDINAL: &[&str] =
     &["true_airspeed", "alpha", "theta", "q", "ax", "az", "altitude", "elevator", "throttle", "thrust"];
@@ -55,8 +65,7 @@ pub(crate) fn measure(
     seed: u64,
     source: String,
 ) -> Result<Record, ScenarioError> {
-    // Its own stream, so that dropping frames changes no sensor's noise.
-    let mut random = Pcg64::seed_from_u64(seed ^ 0x6672_616d_6573);
+    let mut random = frame_stream(seed);
     let dropped: Vec<bool> = truth.time.iter().map(|_| random.random::<f64>() < sensors.drops).collect();
     let there = at_the_sensors(truth, sensors);
     let mut channels = Vec::new();
@@ -77,7 +86,7 @@ pub(crate) fn measure(
         let mut values = Sensor::new(specification, seed, index)
             .and_then(|mut sensor| sensor.record(&truth.time, values))
             .map_err(|error| ScenarioError::OutOfRange { place: source.clone(), message: told(name, error) })?;
-        if FRAME.contains(&name) {
+        if is_framed(name) {
             values.iter_mut().zip(&dropped).filter(|(_, dropped)| **dropped).for_each(|(v, _)| *v = f64::NAN);
         }
         if name == "thrust" && error.thrust != 0.0 {

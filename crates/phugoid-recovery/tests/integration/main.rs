@@ -51,6 +51,21 @@ fn scenarios_that_cannot_be_flown_in_closed_loop_are_refused() {
     let constant = Scenario::named("f16-calm").unwrap();
     let message = fly(&constant, &Settings::default(), &model()).unwrap_err().to_string();
     assert!(message.contains("thrust = \"engine\""), "{message}");
+    // What would be flown or estimated as something else than the user said.
+    const TEXT: &str = include_str!("../../../../scenarios/f16-recovery.toml");
+    let refused = |from: &str, to: &str, model: &str| {
+        let scenario = Scenario::parse(&TEXT.replacen(from, to, 1), "test").unwrap();
+        fly(&scenario, &Settings::default(), &ModelFile::named(model).unwrap()).unwrap_err().to_string()
+    };
+    for (from, to, model, words) in [
+        ("[sensors]", "[sensors]\nvanes = [\"5 m\", \"0 m\", \"0 m\"]", "f16-recovery-model", "vanes"),
+        ("seed = 1", "seed = 1", "hfb320", "base = \"f16\""),
+        ("cg = 0.30", "cg = 0.32", "f16-recovery-model", "centre of gravity is at 0.32"),
+        ("675 ft/s", "600 ft/s", "f16-recovery-model", "182.9 m/s"),
+    ] {
+        let message = refused(from, to, model);
+        assert!(message.contains(words), "{words}: {message}");
+    }
 }
 
 /// A small study: every damage has all four controls, the order is that of the seeds, and nothing is counted twice.

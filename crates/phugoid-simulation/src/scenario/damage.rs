@@ -99,10 +99,11 @@ impl Damage {
         if part < 1.0 { before.towards(&self.increments, part) } else { self.increments }
     }
 
-    /// The effects at a time (s) from [`at`](Self::at) on, when `before` held until then.
-    pub(crate) fn effects_after(&self, before: &Effects, time: f64) -> Effects {
+    /// The effects at a time (s) from [`at`](Self::at) on, when `before` held until then and `complete` are its own
+    /// [`effects`](Self::effects).
+    pub(crate) fn effects_after(&self, before: &Effects, complete: &Effects, time: f64) -> Effects {
         let part = self.part(time);
-        if part < 1.0 { before.towards(&self.effects(), part) } else { self.effects() }
+        if part < 1.0 { before.towards(complete, part) } else { *complete }
     }
 
     /// How much of the change has happened, 0 to 1.

@@ -78,6 +78,9 @@ fn damage_that_grows_is_half_there_half_way() {
     );
     let half = scenario.effects_at(4.0);
     assert!((half.effectiveness[0] - 0.75).abs() < 1e-12 && (half.constants[4] - 0.001).abs() < 1e-15);
+    // Without a flight and its trim nobody knows what a lost part of a surface amounts to: nothing is said of it.
+    assert!(scenario.true_parameters_at(1.0).contains_key("dCm_elevator"));
+    assert!(scenario.true_parameters().keys().all(|name| name.starts_with("bias_")));
     let flight = fly(&scenario).unwrap();
     let (before, during, after) =
         (flight.true_parameters_at(1.0), flight.true_parameters_at(4.0), flight.true_parameters_at(7.0));

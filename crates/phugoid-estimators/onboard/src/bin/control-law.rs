@@ -8,7 +8,7 @@ use core::hint::black_box;
 use phugoid_control::excitation::{Excitation, Now, Settings as ExcitationSettings};
 use phugoid_control::following::Follower;
 use phugoid_control::gains::Gains;
-use phugoid_control::interval::{Estimate, allows, supports};
+use phugoid_control::interval::{Comparison, Estimate};
 use phugoid_control::law::{Demand, Form, Law, Measured, Settings};
 use phugoid_control::local::LocalModel;
 use phugoid_control::margin::margins;
@@ -37,7 +37,8 @@ fn fly<const P: usize>() {
     recent.update(&measured.variables, &measured.surfaces, number());
     black_box(follower.update(number(), number(), number(), number()));
     black_box((recent.explains(&model, [number(); 3]), recent.prefers(&model, &model)));
-    if supports(&estimate, &now, &new, number()) || allows(&estimate, &now, &new, number()) {
+    let comparison = Comparison::new(&estimate, &now, &new);
+    if comparison.supports(number()) || comparison.allows(number()) {
         black_box(law.change_gains(new));
     }
     let category = black_box(Category::A);
