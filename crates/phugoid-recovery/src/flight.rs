@@ -10,6 +10,7 @@ use phugoid_control::target::Targets;
 use phugoid_estimators::ChangeState;
 use phugoid_flight_dynamics::aircraft::{Aircraft, Controls};
 use phugoid_flight_dynamics::built_in::AircraftName;
+use phugoid_flight_dynamics::f16::F16Tables;
 use phugoid_flight_dynamics::trim::Trim;
 use phugoid_identification::estimate::EstimateOptions;
 use phugoid_identification::estimation::EventKind;
@@ -187,6 +188,8 @@ pub fn fly(scenario: &Scenario, settings: &Settings, model: &ModelFile) -> Resul
 fn fits(scenario: &Scenario, model: &ModelFile) -> Result<(), RecoveryError> {
     // One per cent of the speed moves the angle of attack of the trim by less than the declared constant error of a vane.
     const SPEED: f64 = 0.01;
+    // So do 100 m of altitude, which are one per cent of the density.
+    const ALTITUDE: f64 = 100.0;
     let refused = |why: String| Err(RecoveryError::Unsuitable(format!("{}: {why}", scenario.name)));
     if model.base != Base::F16 || scenario.aircraft.kind != Some(AircraftName::F16) {
         return refused(format!(
@@ -201,6 +204,21 @@ fn fits(scenario: &Scenario, model: &ModelFile) -> Result<(), RecoveryError> {
             "the centre of gravity is at {flown} of the mean chord, and in the model `{}` at {}: give both the same",
             model.name,
             known.map_or("no stated place".to_owned(), |cg| cg.to_string())
+        ));
+    }
+    if scenario.aircraft.tables.is_some_and(|tables| tables != F16Tables::default()) {
+        return refused(format!(
+            "the increments of the model `{}` count from the tables of the book: give `tables = \"book\"` under [aircraft]",
+            model.name
+        ));
+    }
+    let (altitude, known) = (scenario.condition.altitude.si(), model.reference.altitude);
+    if known.is_none_or(|known| (known - altitude).abs() > ALTITUDE) {
+        return refused(format!(
+            "the flight begins at {altitude:.0} m, and the increments of the model `{}` count from a trim at {}: give `altitude` under \
+             [reference] that of the scenario",
+            model.name,
+            known.map_or("no stated altitude".to_owned(), |known| format!("{known:.0} m"))
         ));
     }
     let speed = scenario.condition.speed.si();

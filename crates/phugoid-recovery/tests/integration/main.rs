@@ -61,6 +61,8 @@ fn scenarios_that_cannot_be_flown_in_closed_loop_are_refused() {
         ("[sensors]", "[sensors]\nvanes = [\"5 m\", \"0 m\", \"0 m\"]", "f16-recovery-model", "vanes"),
         ("seed = 1", "seed = 1", "hfb320", "base = \"f16\""),
         ("cg = 0.30", "cg = 0.32", "f16-recovery-model", "centre of gravity is at 0.32"),
+        ("tables = \"book\"", "tables = \"morelli\"", "f16-recovery-model", "tables of the book"),
+        ("20000 ft", "22000 ft", "f16-recovery-model", "begins at 6706 m"),
         ("675 ft/s", "600 ft/s", "f16-recovery-model", "182.9 m/s"),
     ] {
         let message = refused(from, to, model);
