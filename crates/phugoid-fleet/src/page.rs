@@ -27,7 +27,7 @@ pub fn html(findings: &Findings) -> String {
     let mut page = format!(
         "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Fleet: {0}</title><style>{STYLE}</style></head>\n\
          <body><h1>Fleet: {0}</h1>\n<p class=\"note\">{1} airframes, {2} logs; {3}, by Phugoid</p>\n\
-         <p>Findings are called so at a rate of false ones of {4} %. Bars are two standard errors of a single flight, the band that \
+         <p>Derivatives are per radian. Findings are called so at a rate of false ones of {4} %. Bars are two standard errors of a single flight, the band that \
          of the mean with all that the flights share. Click a head to sort, a point for its flight.</p>\n",
         escaped(&findings.set.model),
         findings.airframes.len(),
@@ -42,7 +42,7 @@ pub fn html(findings: &Findings) -> String {
     }
     page.push_str(
         "<table><thead><tr><th class=\"w\">airframe</th><th class=\"w\">parameter</th><th>mean</th><th>+- 2 sigma</th>\
-         <th>estimates</th><th class=\"w\">course</th><th class=\"w\">what</th><th>rate</th><th>from the others, sigmas</th>\
+         <th>estimates</th><th class=\"w\">course</th><th class=\"w\">what</th><th>rate of false ones</th><th>from the others, sigmas</th>\
          <th>flights that disagree</th></tr></thead><tbody>\n",
     );
     for airframe in &findings.airframes {
