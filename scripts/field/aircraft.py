@@ -56,3 +56,20 @@ FLEET = (
     Aircraft("global5000", "business jet", 210, 9000, 0.30, AIRLINER, "us", "altitude", look_once_only=True),
     Aircraft("A320", "jet transport", 210, 9000, 0.15, AIRLINER, "degrees", "channel", look_once_only=True),
 )
+
+# Aircraft that came later, as strangers: flown when asked for by name or with --strangers, in neither part of the field.
+STRANGERS = (
+    Aircraft("A4", "carrier attack jet", 180, 4000, 0.25, TEST, "degrees", "channel", look_once_only=True, guess=(3.5, -0.6, -8.0, -1.0)),
+    Aircraft("B747", "heavy jet transport", 220, 9000, 0.15, AIRLINER, "us", "altitude", look_once_only=True),
+    Aircraft("C130", "turboprop transport", 130, 4000, 0.20, AIRLINER, "degrees", "altitude", look_once_only=True),
+    Aircraft("F80C", "early jet fighter", 170, 4000, 0.25, LIGHT, "us", "channel", look_once_only=True),
+    Aircraft("L17", "light single, retractable", 65, 1500, 0.15, LIGHT, "degrees", "altitude", look_once_only=True),
+    Aircraft("J3Cub", "light tail-dragger", 32, 800, 0.30, LIGHT, "us", "altitude", look_once_only=True),
+    Aircraft("pa28", "light single", 58, 1500, 0.20, LIGHT, "si", "channel", look_once_only=True),
+    Aircraft("fokker50", "regional turboprop", 125, 5000, 0.25, AIRLINER, "si", "altitude", look_once_only=True),
+    Aircraft("f104", "interceptor", 230, 5000, 0.25, TEST, "us", "channel", look_once_only=True, guess=(3.5, -0.6, -8.0, -1.0)),
+    Aircraft("MD11", "wide-body jet transport", 215, 9000, 0.15, AIRLINER, "degrees", "channel", look_once_only=True),
+    Aircraft("F4N", "naval fighter", 220, 5000, 0.25, TEST, "si", "altitude", look_once_only=True, guess=(3.5, -0.6, -8.0, -1.0)),
+    Aircraft("B17", "four-engined bomber", 85, 3000, 0.25, LIGHT, "degrees", "altitude", look_once_only=True),
+    Aircraft("787-8", "jet transport", 215, 9000, 0.20, AIRLINER, "us", "channel", look_once_only=True),
+)

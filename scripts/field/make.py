@@ -25,7 +25,7 @@ import numpy as np
 import instruments
 import model_file
 import truth
-from aircraft import FLEET
+from aircraft import FLEET, STRANGERS
 from catalogue import FEEDBACK_REPETITIONS, REPETITIONS, SAMPLE, feedback_flights, flights, structure_flights
 from fly import Plan, fly
 from simulator import Simulator
@@ -135,6 +135,7 @@ def main() -> None:
     parser.add_argument("folder", nargs="?", default="target/field", type=pathlib.Path)
     parser.add_argument("--only", nargs="+", default=[], help="flights whose name contains one of these")
     parser.add_argument("--aircraft", nargs="+", default=[], help="these aircraft only")
+    parser.add_argument("--strangers", action="store_true", help="the aircraft that came later, which are in neither part")
     parser.add_argument("--split", choices=("develop", "look-once"), help="this part only")
     parser.add_argument(
         "--repetition",
@@ -158,15 +159,16 @@ def main() -> None:
     began = time.time()
     splits = ("develop",) if arguments.sample else (arguments.split,) if arguments.split else ("develop", "look-once")
     aircraft = list(SAMPLE) if arguments.sample else arguments.aircraft
-    if unknown := set(aircraft) - {spec.name for spec in FLEET}:
-        parser.error(f"no such aircraft: {', '.join(sorted(unknown))}; there are {', '.join(spec.name for spec in FLEET)}")
+    everyone = FLEET + STRANGERS
+    if unknown := set(aircraft) - {spec.name for spec in everyone}:
+        parser.error(f"no such aircraft: {', '.join(sorted(unknown))}; there are {', '.join(spec.name for spec in everyone)}")
     wanted = Wanted(arguments.only, arguments.sample)
     catalogue = feedback_flights if arguments.feedback else structure_flights if arguments.structure else flights
     jobs = [
         (spec, split, arguments.repetition, arguments.folder, arguments.step, wanted, arguments.exact, catalogue)
         for split in splits
-        for spec in FLEET
-        if (not aircraft or spec.name in aircraft) and not (split == "develop" and spec.look_once_only)
+        for spec in everyone
+        if (spec.name in aircraft if aircraft else spec in (STRANGERS if arguments.strangers else FLEET)) and not (split == "develop" and spec.look_once_only)
     ]
     left_out = 0
     # A process of its own for each aircraft: JSBSim ends the process where a description is wrong.

@@ -24,6 +24,7 @@ pub mod gains;
 pub mod interval;
 pub mod law;
 pub mod local;
+pub mod lost;
 pub mod margin;
 pub mod prediction;
 pub mod qualities;

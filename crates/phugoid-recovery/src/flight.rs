@@ -6,6 +6,7 @@ use phugoid_control::gains::Gains;
 use phugoid_control::interval::Estimate;
 use phugoid_control::law::{Form, Law, Measured, Settings as LawSettings};
 use phugoid_control::local::SURFACES;
+use phugoid_control::lost::{Name, losses, name};
 use phugoid_control::target::Targets;
 use phugoid_estimators::ChangeState;
 use phugoid_flight_dynamics::aircraft::{Aircraft, Controls};
@@ -17,8 +18,9 @@ use phugoid_identification::estimation::EventKind;
 use phugoid_identification::method::Method;
 use phugoid_identification::model_file::{Base, ModelFile};
 use phugoid_identification::session::{Session, Step};
+use phugoid_simulation::aircraft::AnyAircraft;
 use phugoid_simulation::course::Course;
-use phugoid_simulation::flight::trimmed_aircraft;
+use phugoid_simulation::flight::{LaterAircraft, later_aircraft, trimmed_aircraft};
 use phugoid_simulation::quantity::Length;
 use phugoid_simulation::scenario::Scenario;
 use serde::{Deserialize, Serialize};
@@ -27,10 +29,11 @@ pub use crate::error::RecoveryError;
 pub use crate::history::History;
 
 use crate::controller::{Controller, Decision, NAMES, Told};
-use crate::known::{Declared, Increment, estimate, local_model};
+use crate::known::{Body, Declared, Increment, estimate, local_model, whole};
 use crate::outcome::{Left, Outcome, judge, left};
 use crate::pilot::Pilot;
 use crate::robust::robust_gains;
+use crate::scale::Scale;
 use crate::sensing::{Reading, Sensors};
 
 /// Where the gains come from.
@@ -139,9 +142,11 @@ pub struct RecoveryFlight {
     pub left: Option<Left>,
     /// What is left in truth; its bounds are zero.
     pub truly_left: Left,
-    /// The last estimate, with the control that has one.
+    /// Which part of the aircraft is gone, by the estimates before and after what was adopted last; none where nothing was adopted.
+    pub lost: Option<Name>,
+    /// The last estimate, with the control that has one; of a dynamically scaled model at full size.
     pub estimate: Option<Estimate>,
-    /// The true aircraft at the end, about the attitude of the trim.
+    /// The true aircraft at the end, about the attitude of the trim; of a dynamically scaled model at full size.
     pub truth: Estimate,
 }
 
@@ -170,17 +175,44 @@ pub fn fly(scenario: &Scenario, settings: &Settings, model: &ModelFile) -> Resul
             scenario.name
         )));
     }
-    if scenario.aircraft.damaged_at.is_some() {
-        return Err(RecoveryError::Unsuitable(format!(
-            "{}: `damaged_at` is not flown in closed loop: say what changes under [[damage]]",
-            scenario.name
-        )));
-    }
-    if settings.control == Control::Adaptive {
-        fits(&scenario, model)?;
-    }
     let (aircraft, trim) = trimmed_aircraft(&scenario)?;
-    Loop::new(&scenario, aircraft.as_ref(), trim, settings, model)?.run()
+    let later = later_aircraft(&scenario, &aircraft)?;
+    let learning = match settings.control {
+        Control::Adaptive => Some(learning(&scenario, settings, model, &trim)?),
+        _ => None,
+    };
+    Loop::new(&scenario, aircraft.as_ref(), later.as_ref(), trim, settings, learning)?.run()
+}
+
+/// The estimator of a flight, and what its parameters are of.
+struct Learning {
+    session: Session,
+    /// The aircraft where the parameters are all of its aerodynamics; none where they are increments to the one that flies.
+    body: Option<Body>,
+}
+
+fn learning(
+    scenario: &Scenario,
+    settings: &Settings,
+    model: &ModelFile,
+    trim: &Trim,
+) -> Result<Learning, RecoveryError> {
+    let body = match model.base {
+        Base::None => {
+            let body = Body::of(model);
+            Some(body.map_err(|why| RecoveryError::Unsuitable(format!("the model `{}`: {why}", model.name)))?)
+        }
+        Base::F16 => {
+            fits(scenario, model)?;
+            None
+        }
+    };
+    if let Some(body) = &body {
+        body.counts_from(trim)
+            .map_err(|why| RecoveryError::Unsuitable(format!("the model `{}`: {why}", model.name)))?;
+    }
+    let options = EstimateOptions { method: settings.method, ..EstimateOptions::default() };
+    Ok(Learning { session: Session::new(model, &options)?, body })
 }
 
 /// Refuses a model whose parameters are no increments to the aircraft that flies, about the trim that it flies from: they would be
@@ -191,10 +223,10 @@ fn fits(scenario: &Scenario, model: &ModelFile) -> Result<(), RecoveryError> {
     // So do 100 m of altitude, which are one per cent of the density.
     const ALTITUDE: f64 = 100.0;
     let refused = |why: String| Err(RecoveryError::Unsuitable(format!("{}: {why}", scenario.name)));
-    if model.base != Base::F16 || scenario.aircraft.kind != Some(AircraftName::F16) {
+    if scenario.aircraft.kind != Some(AircraftName::F16) {
         return refused(format!(
-            "the adaptive control estimates increments to the F-16 (`base = \"f16\"` in the model, `type = \"f16\"` in the scenario), and \
-             `{}` with this scenario is not that. Fly with --control fixed, robust or oracle",
+            "the model `{}` is made of increments to the F-16 (`base = \"f16\"`), and the scenario flies another aircraft: give a model of \
+             that aircraft without `base`, or fly with --control fixed, robust or oracle",
             model.name
         ));
     }
@@ -234,21 +266,71 @@ fn fits(scenario: &Scenario, model: &ModelFile) -> Result<(), RecoveryError> {
 }
 
 /// Gains for the undamaged aircraft in its trim.
-pub(crate) fn healthy_gains<A: Aircraft>(aircraft: &A, trim: &Trim, targets: &Targets) -> Result<Gains, RecoveryError> {
+pub(crate) fn healthy_gains<A: Aircraft>(
+    aircraft: &A,
+    trim: &Trim,
+    targets: &Targets,
+    scale: Scale,
+) -> Result<Gains, RecoveryError> {
     let known = estimate(aircraft, trim, &[], &Declared::UNSTATED, trim.speed_m_s, trim.altitude_m);
-    Gains::place(&known.model, targets).ok_or(RecoveryError::NoGains)
+    Gains::place(&scale.model(&known.model), targets).ok_or(RecoveryError::NoGains)
 }
 
-struct Loop<'a, A> {
+/// What was estimated at one moment.
+#[derive(Clone, Debug)]
+struct Known {
+    /// The parameters with the random parts of their standard errors: what they share with those of another moment does not count in
+    /// a difference.
+    parameters: Vec<Increment>,
+    /// Airspeed, m/s, and altitude, m.
+    flown: [f64; 2],
+}
+
+/// What was known before the changes that were adopted, and is now.
+#[derive(Default)]
+struct Changes {
+    /// Outside a doubt, now.
+    now: Option<Known>,
+    /// Before the doubt that is open, or was last.
+    before_doubt: Option<Known>,
+    /// Before the first of the last adoptions that followed one another.
+    before: Option<Known>,
+    adopted_s: Option<f64>,
+}
+
+impl Changes {
+    /// Adoptions that follow one another so closely are of one change, s at full size.
+    const CHAIN_S: f64 = 15.0;
+
+    fn note(&mut self, kind: EventKind, time_s: f64, scale: Scale) {
+        match kind {
+            EventKind::InDoubt => self.before_doubt.clone_from(&self.now),
+            EventKind::Adopted => {
+                let follows = self.adopted_s.is_some_and(|at| scale.time(time_s - at) < Self::CHAIN_S);
+                if !follows || self.before.is_none() {
+                    self.before.clone_from(&self.before_doubt);
+                }
+                self.adopted_s = Some(time_s);
+            }
+            EventKind::RolledBack => self.before = None,
+            _ => {}
+        }
+    }
+}
+
+struct Loop<'a> {
     scenario: &'a Scenario,
-    aircraft: &'a A,
+    aircraft: &'a AnyAircraft,
     trim: Trim,
     settings: Settings,
-    course: Course<'a, A>,
+    /// Control law and pilot are those of the full size, and so is the estimate that they are told.
+    scale: Scale,
+    course: Course<'a, AnyAircraft>,
     sensors: Sensors,
     pilot: Pilot,
     controller: Controller,
-    session: Option<Session>,
+    learning: Option<Learning>,
+    changes: Changes,
     estimate: Option<Estimate>,
     history: History,
     events: Vec<Event>,
@@ -260,18 +342,20 @@ struct Loop<'a, A> {
     departed: bool,
 }
 
-impl<'a, A: Aircraft> Loop<'a, A> {
+impl<'a> Loop<'a> {
     fn new(
         scenario: &'a Scenario,
-        aircraft: &'a A,
+        aircraft: &'a AnyAircraft,
+        later: Option<&'a LaterAircraft>,
         trim: Trim,
         settings: &Settings,
-        model: &ModelFile,
+        learning: Option<Learning>,
     ) -> Result<Self, RecoveryError> {
+        let scale = Scale::of(scenario);
         let gains = match settings.control {
             // What is not known yet is flown with the gains that hold for the most.
-            Control::Robust | Control::Adaptive => robust_gains(aircraft, &trim, &settings.targets)?,
-            _ => healthy_gains(aircraft, &trim, &settings.targets)?,
+            Control::Robust | Control::Adaptive => robust_gains(aircraft, &trim, &settings.targets, scale)?,
+            _ => healthy_gains(aircraft, &trim, &settings.targets, scale)?,
         };
         let controls = trim.controls();
         let actuators = aircraft.actuators();
@@ -279,32 +363,36 @@ impl<'a, A: Aircraft> Loop<'a, A> {
         let law = LawSettings {
             form: settings.form,
             ..LawSettings::new(
-                1.0 / scenario.sample_rate.si(),
+                scale.time(1.0 / scenario.sample_rate.si()),
                 [trim.alpha_rad, trim.beta_rad, 0.0, 0.0, 0.0],
                 [controls.elevator, controls.aileron, controls.rudder],
                 each.map(|actuator| [-actuator.limit, actuator.limit]),
-                each.map(|actuator| actuator.rate_limit),
+                each.map(|actuator| scale.rate(actuator.rate_limit)),
             )
         };
-        let learns = settings.control == Control::Adaptive;
-        let followers = (learns && scenario.aircraft.actuators)
-            .then(|| each.map(|actuator| Follower::new(actuator.lag, actuator.rate_limit, 0.7_f64.to_radians())));
+        let learns = learning.is_some();
+        let followers = (learns && scenario.aircraft.actuators).then(|| {
+            each.map(|actuator| {
+                let (lag, rate) = (scale.time(actuator.lag), scale.rate(actuator.rate_limit));
+                Follower::new(lag, rate, 0.7_f64.to_radians())
+            })
+        });
         let excitation = settings.excitation.filter(|_| learns);
-        let options = EstimateOptions { method: settings.method, ..EstimateOptions::default() };
-        let session = if learns { Some(Session::new(model, &options)?) } else { None };
         Ok(Self {
             scenario,
             aircraft,
             trim,
             settings: *settings,
-            course: Course::new(scenario, aircraft, None, &trim)?,
+            scale,
+            course: Course::new(scenario, aircraft, later.map(LaterAircraft::change), &trim)?,
             sensors: Sensors::new(scenario)?,
             pilot: Pilot::new(scenario, &trim, aircraft.gravity())?,
             controller: Controller::new(Law::new(law, gains), settings.targets, followers, excitation),
-            session,
+            learning,
+            changes: Changes::default(),
             estimate: None,
             history: History::default(),
-            events: scenario_events(scenario),
+            events: scenario_events(scenario, later),
             flown: [trim.speed_m_s, trim.altitude_m],
             in_doubt: false,
             dropped_s: f64::NEG_INFINITY,
@@ -336,7 +424,8 @@ impl<'a, A: Aircraft> Loop<'a, A> {
         self.events.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
         let truth = self.truth();
         let gains = *self.controller.gains();
-        let outcome = judge(&self.history, self.departed, &self.trim, &truth, &gains);
+        let outcome = judge(&self.history, self.departed, &self.trim, &truth, &gains, self.scale);
+        let lost = self.lost();
         let law = *self.controller.law().settings();
         let scale = Declared::UNSTATED.surface_scale;
         let left = |estimate: &Estimate| left(estimate, &gains, &law.surfaces, &law.limits, scale);
@@ -348,6 +437,7 @@ impl<'a, A: Aircraft> Loop<'a, A> {
             outcome,
             left: self.estimate.as_ref().map(|estimate| left(&self.controller.checked(estimate))),
             truly_left: left(&truth),
+            lost,
             estimate: self.estimate,
             truth,
         })
@@ -362,10 +452,11 @@ impl<'a, A: Aircraft> Loop<'a, A> {
                 *flown += 0.01 * (now - *flown);
             }
         }
-        let Some(session) = &mut self.session else { return Ok(()) };
+        let Some(Learning { session, body }) = &mut self.learning else { return Ok(()) };
         let values: Vec<f64> = session.channels().iter().map(|name| reading.channel(name)).collect();
         let step = session.update(time, &values)?;
         let events = session.take_events();
+        let mut now = None;
         if step == Step::Estimated
             && let Some(snapshot) = session.snapshot()
         {
@@ -381,14 +472,24 @@ impl<'a, A: Aircraft> Loop<'a, A> {
                 .collect();
             let [speed, altitude] = self.flown;
             self.in_doubt = snapshot.change == ChangeState::InDoubt;
+            if !self.in_doubt {
+                let random = increments.iter().zip(&snapshot.parameters).map(|(increment, parameter)| {
+                    let shared = parameter.systematic_std;
+                    let square = (increment.std_error * increment.std_error - shared * shared).max(0.0);
+                    Increment { std_error: square.sqrt(), ..increment.clone() }
+                });
+                now = Some(Known { parameters: random.collect(), flown: self.flown });
+            }
             // Linearising is the dearest part of a frame; the controller decides five times a second.
-            let every = (0.1 * self.scenario.sample_rate.si()).max(1.0) as usize;
+            let every = (self.scale.model_time(0.1) * self.scenario.sample_rate.si()).max(1.0) as usize;
             if self.history.time_s.len().is_multiple_of(every) {
-                self.estimate =
-                    Some(estimate(self.aircraft, &self.trim, &increments, &Declared::UNSTATED, speed, altitude));
+                let found = local(self.aircraft, &self.trim, body.as_ref(), &increments, [speed, altitude]);
+                self.estimate = Some(self.scale.estimate(&found));
             }
         }
         for event in events {
+            // Told before what is known now takes the place of what was known before.
+            self.changes.note(event.kind, event.time_s, self.scale);
             if event.kind == EventKind::DoubtDropped {
                 self.dropped_s = event.time_s;
             }
@@ -401,24 +502,39 @@ impl<'a, A: Aircraft> Loop<'a, A> {
             };
             self.event(event.time_s, kind, text.to_owned());
         }
+        if now.is_some() {
+            self.changes.now = now;
+        }
         Ok(())
+    }
+
+    /// Which part of the aircraft the adopted changes look like.
+    fn lost(&self) -> Option<Name> {
+        let (before, after) = (self.changes.before.as_ref()?, self.changes.now.as_ref()?);
+        let body = self.learning.as_ref()?.body.as_ref();
+        let of = |known: &Known| {
+            let found = local(self.aircraft, &self.trim, body, &known.parameters, known.flown);
+            self.scale.estimate(&found)
+        };
+        let span = self.scale.length(self.aircraft.geometry().span);
+        Some(name(&losses(&of(before), &of(after), span)))
     }
 
     fn command(&mut self, k: usize, time: f64, reading: &Reading, before: &Controls) -> Controls {
         let wish = self.pilot.fly(k, reading);
-        let channels = ["alpha", "beta", "p", "q", "r"].map(|name| reading.channel(name));
+        let channels = ["alpha", "beta", "p", "q", "r"].map(|name| self.scale.channel(name, reading.channel(name)));
         let surfaces = NAMES.map(|name| reading.channel(name));
         let measured = Measured { variables: channels, surfaces };
-        let is_asked = self.settings.control == Control::Oracle && self.controller.is_due(time);
+        let is_asked = self.settings.control == Control::Oracle && self.controller.is_due(self.scale.time(time));
         let truth = is_asked.then(|| self.truth());
         let told = Told {
-            time_s: time,
+            time_s: self.scale.time(time),
             measured,
             commands: [before.elevator, before.aileron, before.rudder],
             estimate: truth.as_ref().or(self.estimate.as_ref()),
             is_truth: truth.is_some(),
             // A suspicion that was just given up may come back: what was estimated meanwhile is of two aircraft.
-            is_settled: !self.in_doubt && time > self.dropped_s + 1.0,
+            is_settled: !self.in_doubt && time > self.dropped_s + self.scale.model_time(1.0),
         };
         for decision in self.controller.decide(&told) {
             // The oracle's gains follow the truth all the time.
@@ -455,7 +571,7 @@ impl<'a, A: Aircraft> Loop<'a, A> {
                 model.surfaces.iter_mut().for_each(|row| row[j] = 0.0);
             }
         }
-        Estimate { model, ..Estimate::default() }
+        Estimate { model: self.scale.model(&model), ..Estimate::default() }
     }
 
     fn has_departed(&self, state: &phugoid_flight_dynamics::aircraft::State) -> bool {
@@ -496,7 +612,25 @@ impl<'a, A: Aircraft> Loop<'a, A> {
     }
 }
 
-fn scenario_events(scenario: &Scenario) -> Vec<Event> {
+/// The local model that parameters make at an airspeed (m/s) and altitude (m).
+fn local(
+    aircraft: &AnyAircraft,
+    trim: &Trim,
+    body: Option<&Body>,
+    parameters: &[Increment],
+    [speed, altitude]: [f64; 2],
+) -> Estimate {
+    let declared = Declared::UNSTATED;
+    match body {
+        None => estimate(aircraft, trim, parameters, &declared, speed, altitude),
+        Some(body) => {
+            let density = aircraft.atmosphere().at(altitude).density;
+            whole(body, parameters, trim, &declared, speed, density)
+        }
+    }
+}
+
+fn scenario_events(scenario: &Scenario, later: Option<&LaterAircraft>) -> Vec<Event> {
     // What differs from the start is no event: the aircraft took off with it.
     let damage = scenario.damage.iter().filter(|damage| damage.at.si() > 0.0).map(|damage| Event {
         time_s: damage.at.si(),
@@ -508,5 +642,10 @@ fn scenario_events(scenario: &Scenario) -> Vec<Event> {
         kind: Kind::Damage,
         text: format!("failure of the {}", failure.surface.name()),
     });
-    damage.chain(failures).collect()
+    let changes = later.iter().map(|later| Event {
+        time_s: later.at(),
+        kind: Kind::Damage,
+        text: scenario.aircraft.damaged.map_or("damage".to_owned(), |word| format!("damage: {}", word.0.word())),
+    });
+    damage.chain(failures).chain(changes).collect()
 }

@@ -1,4 +1,5 @@
-//! What an estimate of increments says about the motion of an aircraft: its local linear model with standard errors.
+//! What an estimate says about the motion of an aircraft: its local linear model with standard errors. Either the aircraft is known
+//! but for increments, or nothing is known of it but mass, inertia and geometry, and the estimate is all of its aerodynamics.
 
 use phugoid_control::interval::Estimate;
 use phugoid_control::local::{ALPHA, AXES, BETA, LocalModel, P, Q, R, VARIABLES};
@@ -7,6 +8,8 @@ use phugoid_flight_dynamics::increments::Increments;
 use phugoid_flight_dynamics::linearize::{LinearModel, linearize};
 use phugoid_flight_dynamics::motion::Disturbance;
 use phugoid_flight_dynamics::trim::Trim;
+use phugoid_identification::model_file::{ModelFile, ReferenceValue, Role, Source};
+use phugoid_identification::term::{Coefficient, FACTORS, Variable};
 
 // Places in `phugoid_flight_dynamics::linearize::STATE_NAMES` and the columns of its input matrix.
 const STATE_OF: [usize; VARIABLES] = [1, 2, 6, 7, 8];
@@ -87,12 +90,21 @@ pub fn estimate<A: Aircraft>(
     let mut variance = LocalModel::default();
     let reach = Reach::of(known, speed, altitude);
     for increment in increments {
-        let Some((coefficient, variable)) = parts(&increment.name) else { continue };
+        let Some((coefficient, variable)) = parts(&increment.name).filter(|(coefficient, _)| *coefficient != "CD")
+        else {
+            continue;
+        };
         // Derivatives of the aircraft's own axes are in the linear model already.
         let is_new = Increments::NONE.named().iter().all(|(name, _)| *name != increment.name);
         add(&mut model, &mut variance, &reach, coefficient, variable, increment, is_new);
     }
-    let surfaces = [controls.elevator, controls.aileron, controls.rudder];
+    with_declared(model, variance, declared, trim)
+}
+
+/// The model with its standard errors: what is out of trim has the declared errors of the reference in its bound, a scale of the vane
+/// or of a surface shows the reference at another place.
+fn with_declared(model: LocalModel, mut variance: LocalModel, declared: &Declared, trim: &Trim) -> Estimate {
+    let surfaces = [trim.elevator_rad, trim.aileron_rad, trim.rudder_rad];
     for i in 0..AXES {
         let by_vane = model.rates[i][ALPHA] * declared.flow_angle_scale * trim.alpha_rad;
         let by_surfaces = surfaces.iter().zip(model.surfaces[i]).map(|(u, effect)| effect * declared.surface_scale * u);
@@ -112,6 +124,164 @@ pub fn estimate<A: Aircraft>(
         ..LocalModel::default()
     };
     Estimate { model, std_error }
+}
+
+/// What an estimate needs of a model file beside its parameters, where it is all of the aerodynamics: a rigid body and the point that
+/// terms count from.
+#[derive(Clone, Debug)]
+pub struct Body {
+    mass: f64,
+    /// Ixx, Iyy, Izz, and the integral of x z, kg m^2.
+    inertia: [f64; 4],
+    area: f64,
+    chord: f64,
+    span: f64,
+    gravity: f64,
+    reference_speed: f64,
+    /// Angle of attack, elevator, aileron and rudder that count as zero, rad.
+    reference: [f64; 4],
+    /// Terms of the build-up by the name of their parameter, and the value of those that are not estimated.
+    terms: Vec<(String, Coefficient, phugoid_identification::term::Term, Option<f64>)>,
+}
+
+impl Body {
+    /// The body of a model file in absolute form.
+    ///
+    /// # Errors
+    /// What is missing or not constant, in words.
+    pub fn of(model: &ModelFile) -> Result<Self, String> {
+        let aircraft = &model.aircraft;
+        let constant = |name: &str, source: Option<&Source>| match source {
+            Some(Source::Constant(value)) => Ok(*value),
+            Some(Source::Channel(_)) => Err(format!("`{name}` comes from a channel; a control law needs a constant")),
+            None => Err(format!("`{name}` is missing: a control law needs both groups of axes")),
+        };
+        let given = |name: &str, value: ReferenceValue| match value {
+            ReferenceValue::Given(value) => Ok(value),
+            _ => Err(format!("`{name}` under [reference] has to be a number for a control law")),
+        };
+        let terms = model.parameters.iter().filter_map(|parameter| match &parameter.role {
+            Role::Term(coefficient, term) => {
+                Some((parameter.name.clone(), *coefficient, term.clone(), parameter.fixed.then_some(parameter.start)))
+            }
+            _ => None,
+        });
+        Ok(Self {
+            mass: constant("mass", Some(&aircraft.mass))?,
+            inertia: [
+                constant("ixx", aircraft.ixx.as_ref())?,
+                constant("iyy", Some(&aircraft.iyy))?,
+                constant("izz", aircraft.izz.as_ref())?,
+                constant("ixz", aircraft.ixz.as_ref())?,
+            ],
+            area: aircraft.wing_area,
+            chord: aircraft.mean_chord,
+            span: aircraft.wing_span.ok_or("`wing_span` is missing: a control law needs both groups of axes")?,
+            gravity: aircraft.gravity,
+            reference_speed: aircraft.reference_speed.unwrap_or(f64::NAN),
+            reference: [
+                given("alpha", model.reference.alpha)?,
+                given("elevator", model.reference.elevator)?,
+                given("aileron", model.reference.aileron)?,
+                given("rudder", model.reference.rudder)?,
+            ],
+            terms: terms.collect(),
+        })
+    }
+
+    /// Refuses a build-up whose terms count from far away: constants and slopes then have large errors that cancel, which bounds of
+    /// single parameters do not show.
+    ///
+    /// # Errors
+    /// The number to write, in words.
+    pub fn counts_from(&self, trim: &Trim) -> Result<(), String> {
+        /// A tenth of what moves an aeroplane out of trim by a g.
+        const NEAR: f64 = 0.01;
+        let trims = [trim.alpha_rad, trim.elevator_rad, trim.aileron_rad, trim.rudder_rad];
+        for ((name, reference), trim) in
+            ["alpha", "elevator", "aileron", "rudder"].iter().zip(self.reference).zip(trims)
+        {
+            if (reference - trim).abs() > NEAR {
+                return Err(format!(
+                    "its terms count {name} from {:.2} deg, and the flight begins at {:.2} deg: give `{name} = \"{:.2} deg\"` under \
+                     [reference], so that the bound of what is out of trim is that of the flight",
+                    reference.to_degrees(),
+                    trim.to_degrees(),
+                    trim.to_degrees()
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    fn reach(&self, speed: f64, density: f64) -> Reach {
+        let [ixx, iyy, izz, ixz] = self.inertia;
+        let determinant = ixx * izz - ixz * ixz;
+        let inverse = [
+            [izz / determinant, 0.0, ixz / determinant],
+            [0.0, 1.0 / iyy, 0.0],
+            [ixz / determinant, 0.0, ixx / determinant],
+        ];
+        let force = 0.5 * density * speed * speed * self.area;
+        let lengths = [self.span, self.chord, self.span];
+        Reach {
+            accelerations: std::array::from_fn(|i| std::array::from_fn(|k| inverse[i][k] * force * lengths[k])),
+            turning: force / (self.mass * speed),
+            span_time: self.span / (2.0 * speed),
+            chord_time: self.chord / (2.0 * speed),
+        }
+    }
+}
+
+/// The estimate of an aircraft whose aerodynamics are the parameters alone, at the trim's attitude, at an airspeed (m/s) and air
+/// density (kg/m^3). Terms that are not linear count with their slope there.
+///
+/// To first order in the variables, for nearly level flight: `Za = -qbar S/(m V) (CL_alpha + CD)`, `Yb = qbar S/(m V) CY_beta`, and
+/// the moments by the inverse of the inertia (B. L. Stevens, F. L. Lewis, *Aircraft Control and Simulation*, section 3.7).
+pub fn whole(
+    body: &Body,
+    parameters: &[Increment],
+    trim: &Trim,
+    declared: &Declared,
+    speed: f64,
+    density: f64,
+) -> Estimate {
+    const LINEAR: [Variable; 8] = [
+        Variable::Alpha,
+        Variable::Beta,
+        Variable::RollRate,
+        Variable::PitchRate,
+        Variable::YawRate,
+        Variable::Elevator,
+        Variable::Aileron,
+        Variable::Rudder,
+    ];
+    let reach = body.reach(speed, density);
+    let [alpha, elevator, aileron, rudder] = body.reference;
+    let mut at = [0.0; FACTORS];
+    at[Variable::Alpha.index()] = trim.alpha_rad - alpha;
+    at[Variable::Airspeed.index()] = speed / body.reference_speed;
+    at[Variable::Elevator.index()] = trim.elevator_rad - elevator;
+    at[Variable::Aileron.index()] = trim.aileron_rad - aileron;
+    at[Variable::Rudder.index()] = trim.rudder_rad - rudder;
+    let mut model = LocalModel { alpha: trim.alpha_rad, speed, gravity: body.gravity, ..LocalModel::default() };
+    let mut variance = LocalModel::default();
+    for (name, coefficient, term, fixed) in &body.terms {
+        let found = parameters.iter().find(|parameter| parameter.name == *name);
+        let (value, std_error) = match (found, fixed) {
+            (Some(found), _) => (found.value, found.std_error),
+            (None, Some(value)) => (*value, 0.0),
+            (None, None) => continue,
+        };
+        let parts = LINEAR.iter().map(|variable| (variable.short_name(), term.slope(variable.index(), &at)));
+        for (variable, part) in parts.chain([("0", term.value(&at))]) {
+            if part != 0.0 {
+                let scaled = Increment { name: String::new(), value: value * part, std_error: std_error * part.abs() };
+                add(&mut model, &mut variance, &reach, coefficient.symbol(), variable, &scaled, true);
+            }
+        }
+    }
+    with_declared(model, variance, declared, trim)
 }
 
 /// What one unit of each coefficient does at a flight condition.
@@ -159,16 +329,21 @@ fn add(
         "Cl" => 0,
         "Cm" => 1,
         "Cn" => 2,
-        "CL" | "CY" => {
-            let per_unit = reach.turning * reach.turning * square;
-            match (coefficient, variable) {
-                ("CL", "alpha") => variance.alpha_by_alpha += per_unit,
-                ("CL", "elevator") => variance.alpha_by_elevator += per_unit,
-                ("CY", "beta") => variance.beta_by_beta += per_unit,
-                ("CY", "rudder") => variance.beta_by_rudder += per_unit,
-                ("CY", "aileron") => variance.beta_by_aileron += per_unit,
-                _ => {}
+        "CL" | "CD" | "CY" => {
+            let (entry, spread, sign) = match (coefficient, variable) {
+                ("CL", "alpha") => (&mut model.alpha_by_alpha, &mut variance.alpha_by_alpha, -1.0),
+                ("CL", "elevator") => (&mut model.alpha_by_elevator, &mut variance.alpha_by_elevator, -1.0),
+                // The drag of the moment turns with the velocity.
+                ("CD", "0") => (&mut model.alpha_by_alpha, &mut variance.alpha_by_alpha, -1.0),
+                ("CY", "beta") => (&mut model.beta_by_beta, &mut variance.beta_by_beta, 1.0),
+                ("CY", "rudder") => (&mut model.beta_by_rudder, &mut variance.beta_by_rudder, 1.0),
+                ("CY", "aileron") => (&mut model.beta_by_aileron, &mut variance.beta_by_aileron, 1.0),
+                _ => return,
+            };
+            if is_new {
+                *entry += sign * reach.turning * increment.value;
             }
+            *spread += reach.turning * reach.turning * square;
             return;
         }
         _ => return,

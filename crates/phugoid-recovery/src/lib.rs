@@ -11,5 +11,6 @@ pub mod outcome;
 pub mod page;
 pub mod pilot;
 mod robust;
+mod scale;
 pub mod sensing;
 pub mod study;

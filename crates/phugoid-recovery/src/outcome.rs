@@ -10,6 +10,7 @@ use phugoid_flight_dynamics::trim::Trim;
 use serde::Serialize;
 
 use crate::history::History;
+use crate::scale::Scale;
 
 /// The end of the flight that is looked at, s.
 const LAST_S: f64 = 10.0;
@@ -79,7 +80,14 @@ impl Outcome {
     }
 }
 
-pub(crate) fn judge(history: &History, departed: bool, trim: &Trim, truth: &Estimate, gains: &Gains) -> Outcome {
+pub(crate) fn judge(
+    history: &History,
+    departed: bool,
+    trim: &Trim,
+    truth: &Estimate,
+    gains: &Gains,
+    scale: Scale,
+) -> Outcome {
     let end = history.time_s.last().copied().unwrap_or(0.0);
     let last = history.time_s.partition_point(|time| *time < end - LAST_S);
     let mean_size = |values: &[f64]| {
@@ -92,8 +100,8 @@ pub(crate) fn judge(history: &History, departed: bool, trim: &Trim, truth: &Esti
         && end > LAST_S
         && mean_size(&history.phi) < BANK
         && mean_size(&history.beta) < SIDESLIP
-        && history.rates.iter().all(|rates| mean_size(rates) < RATE)
-        && climb < CLIMB;
+        && history.rates.iter().all(|rates| scale.rate(mean_size(rates)) < RATE)
+        && scale.speed(climb) < CLIMB;
     let matrix = truth.model.closed_loop(&gains.feedback());
     let found = qualities(&matrix, truth.model.load_factor_per_alpha(), Category::B);
     let extreme = |pick: fn(f64, f64) -> f64| history.load_factor.iter().copied().reduce(pick).unwrap_or(f64::NAN);

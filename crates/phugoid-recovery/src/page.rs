@@ -5,6 +5,8 @@ use std::sync::Arc;
 use phugoid_evaluation::chart::{Axis, Chart, Content, Curve, Level as Line, Meaning, Panel, Shape};
 use phugoid_evaluation::table::{Cell, Column, Table};
 
+use phugoid_control::lost::{Lost, Name};
+
 use crate::controller::NAMES;
 use crate::flight::{Kind, RecoveryFlight};
 
@@ -153,6 +155,30 @@ fn surfaces(flight: &RecoveryFlight) -> Section {
     }
 }
 
+/// What the changes of the derivatives look like, in a sentence.
+pub fn lost_words(name: &Name) -> String {
+    let percent = (100.0 * name.fraction).round();
+    match (name.has_changed, name.lost, name.or) {
+        (false, ..) => "No derivative has changed by more than its bound.".to_owned(),
+        (true, None, _) => {
+            "The derivatives have changed as by none of these: the loss of elevator, horizontal tail, rudder, vertical tail, ailerons \
+             or a part of a wing, or another centre of gravity."
+                .to_owned()
+        }
+        (true, Some(Lost::CentreOfGravity), None) => {
+            "The derivatives have changed as by another centre of gravity.".to_owned()
+        }
+        (true, Some(part), None) => {
+            format!("The derivatives have changed as by the loss of {percent} % of the {}.", part.words())
+        }
+        (true, Some(part), Some(other)) => format!(
+            "The derivatives have changed as by the loss of a part of the {}, or of the {}: the flight does not tell which.",
+            part.words(),
+            other.words()
+        ),
+    }
+}
+
 fn left(flight: &RecoveryFlight) -> Option<Section> {
     let left = flight.left.as_ref()?;
     let rows = NAMES.iter().zip(&left.margins).zip(&flight.truly_left.margins).map(|((name, margin), truth)| {
@@ -168,10 +194,16 @@ fn left(flight: &RecoveryFlight) -> Option<Section> {
     Some(Section {
         anchor: "left",
         heading: "What the estimate says is left",
-        paragraphs: vec![
-            "What steady flight takes of each surface, and the way from there to the nearer limit as a part of half the range."
-                .to_owned(),
-        ],
+        paragraphs: flight
+            .lost
+            .as_ref()
+            .map(lost_words)
+            .into_iter()
+            .chain([
+                "What steady flight takes of each surface, and the way from there to the nearer limit as a part of half the range."
+                    .to_owned(),
+            ])
+            .collect(),
         tables: vec![Table {
             title: "Control margins".to_owned(),
             columns: vec![

@@ -4,6 +4,7 @@ use phugoid_control::law::Demand;
 use phugoid_flight_dynamics::trim::Trim;
 use phugoid_simulation::scenario::{Scenario, ScenarioError};
 
+use crate::scale::Scale;
 use crate::sensing::Reading;
 
 /// Pitch rate per degree of elevator stick, 1/s; roll rate per degree of aileron stick; sideslip per degree of rudder stick.
@@ -22,6 +23,8 @@ const STEADY: f64 = 2.0;
 
 /// A pilot who flies straight and level.
 pub struct Pilot {
+    /// The pilot flies the full size: everything below is of it.
+    scale: Scale,
     /// Stick in the direction of elevator, aileron and rudder at each sample, rad.
     stick: [Vec<f64>; 3],
     altitude: f64,
@@ -39,7 +42,7 @@ pub struct Pilot {
 /// What the pilot does in one frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wish {
-    /// What the control law is asked for.
+    /// What the control law is asked for, rates at full size.
     pub demand: Demand,
     /// Throttle lever, 0 to 1.
     pub throttle: f64,
@@ -51,23 +54,26 @@ impl Pilot {
     /// # Errors
     /// [`ScenarioError`]: a manoeuvre that cannot be flown.
     pub fn new(scenario: &Scenario, trim: &Trim, gravity: f64) -> Result<Self, ScenarioError> {
+        let scale = Scale::of(scenario);
+        let (altitude, speed) = (scale.length(trim.altitude_m), scale.speed(trim.speed_m_s));
         Ok(Self {
+            scale,
             stick: scenario.deflections()?,
-            altitude: trim.altitude_m,
-            speed: trim.speed_m_s,
+            altitude,
+            speed,
             throttle: trim.throttle,
             alpha: trim.alpha_rad,
             slow: 0.0,
-            sample_time: 1.0 / scenario.sample_rate.si(),
+            sample_time: scale.time(1.0 / scenario.sample_rate.si()),
             gravity,
-            last: [trim.phi_rad, trim.theta_rad, trim.alpha_rad, trim.speed_m_s, trim.altitude_m],
+            last: [trim.phi_rad, trim.theta_rad, trim.alpha_rad, speed, altitude],
         })
     }
 
     /// What the pilot does at sample `k`.
     pub fn fly(&mut self, k: usize, reading: &Reading) -> Wish {
         for (last, name) in self.last.iter_mut().zip(["phi", "theta", "alpha", "true_airspeed", "altitude"]) {
-            let now = reading.channel(name);
+            let now = self.scale.channel(name, reading.channel(name));
             if now.is_finite() {
                 *last = now;
             }

@@ -9,6 +9,7 @@ use phugoid_flight_dynamics::trim::Trim;
 
 use crate::error::RecoveryError;
 use crate::known::{Declared, estimate};
+use crate::scale::Scale;
 
 /// What is left of the effect of a surface, of stability and of damping, over the set of damages.
 const SURFACE: [f64; 3] = [1.0, 0.7, 0.45];
@@ -16,8 +17,14 @@ const STABILITY: [f64; 3] = [1.0, 0.5, -0.5];
 const DAMPING: [f64; 2] = [1.0, 0.5];
 
 /// The most robust gains for an aircraft: candidates are the placements for each damaged model with several targets.
-pub(crate) fn robust_gains<A: Aircraft>(aircraft: &A, trim: &Trim, targets: &Targets) -> Result<Gains, RecoveryError> {
-    let healthy = estimate(aircraft, trim, &[], &Declared::UNSTATED, trim.speed_m_s, trim.altitude_m).model;
+pub(crate) fn robust_gains<A: Aircraft>(
+    aircraft: &A,
+    trim: &Trim,
+    targets: &Targets,
+    scale: Scale,
+) -> Result<Gains, RecoveryError> {
+    let known = estimate(aircraft, trim, &[], &Declared::UNSTATED, trim.speed_m_s, trim.altitude_m);
+    let healthy = scale.model(&known.model);
     let mut models = Vec::new();
     for surface in SURFACE {
         for stability in STABILITY {

@@ -134,16 +134,49 @@ pub fn fly(scenario: &Scenario) -> Result<Flight, FlightError> {
 /// As [`fly`].
 pub fn fly_with_progress(scenario: &Scenario, progress: &dyn Fn(f64)) -> Result<Flight, FlightError> {
     let aircraft = scenario.aircraft.aircraft(&scenario.folder)?;
-    match (aircraft.as_ref(), scenario.aircraft.damage_in_flight()) {
+    match (aircraft.as_ref(), later_aircraft(scenario, &aircraft)?) {
         // Compiled for itself: nothing is asked at each evaluation.
         (AnyAircraft::BuiltIn(BuiltInAircraft::F16(aircraft)), None) => {
             fly_aircraft(aircraft.as_ref(), scenario, progress)
         }
-        (aircraft, None) => fly_aircraft(aircraft, scenario, progress),
+        (aircraft, later) => fly_changed(aircraft, later.as_ref().map(LaterAircraft::change), scenario, progress),
+    }
+}
+
+/// The aircraft that a scenario flies with from a time on: the one of its `damaged_at`.
+pub struct LaterAircraft {
+    aircraft: AnyAircraft,
+    at: f64,
+    moved: Box<dyn Fn(&State) -> State>,
+}
+
+impl LaterAircraft {
+    /// The change to it, for [`Course::new`].
+    pub fn change(&self) -> Change<'_, AnyAircraft> {
+        Change { aircraft: &self.aircraft, at: self.at, moved: self.moved.as_ref() }
+    }
+
+    /// When it comes, s.
+    pub fn at(&self) -> f64 {
+        self.at
+    }
+}
+
+/// The aircraft that takes the place of `aircraft` in the flight of a scenario; none where it stays the same.
+///
+/// # Errors
+/// [`FlightError::Aircraft`]: damage in flight of an aircraft that has none.
+pub fn later_aircraft(scenario: &Scenario, aircraft: &AnyAircraft) -> Result<Option<LaterAircraft>, FlightError> {
+    match (aircraft, scenario.aircraft.damage_in_flight()) {
+        (_, None) => Ok(None),
         (AnyAircraft::File(AircraftFile::Transport(whole)), Some((damage, at))) => {
             let damaged = whole.damaged(damage).map_err(|e| AircraftError::File(e.into()))?;
-            let moved = |state: &State| moved_to(whole, &damaged, state);
-            fly_changed(whole.as_ref(), Some(Change { aircraft: &damaged, at, moved: &moved }), scenario, progress)
+            let (before, after) = (whole.clone(), damaged.clone());
+            Ok(Some(LaterAircraft {
+                aircraft: AnyAircraft::File(AircraftFile::Transport(Box::new(damaged))),
+                at,
+                moved: Box::new(move |state| moved_to(&before, &after, state)),
+            }))
         }
         (aircraft, Some(_)) => Err(AircraftError::NoDamage(aircraft.name().to_owned()).into()),
     }

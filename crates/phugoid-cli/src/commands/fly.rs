@@ -8,7 +8,7 @@ use phugoid_flight_data::output_file;
 use phugoid_recovery::controller::NAMES;
 use phugoid_recovery::flight::{Event, History, RecoveryError, RecoveryFlight, Settings, fly};
 use phugoid_recovery::outcome::{Left, Outcome};
-use phugoid_recovery::page::page;
+use phugoid_recovery::page::{lost_words, page};
 use phugoid_report::study_html;
 use serde::Serialize;
 
@@ -30,6 +30,8 @@ struct Document<'a> {
     left: Option<Left>,
     /// What is left in truth.
     truly_left: &'a Left,
+    /// Which part of the aircraft the adopted changes look like; null where none was adopted.
+    lost: Option<phugoid_control::lost::Name>,
     page: PathBuf,
     #[serde(skip_serializing_if = "Option::is_none")]
     history: Option<&'a History>,
@@ -62,6 +64,7 @@ pub(crate) fn run(arguments: &arguments::Fly) -> Result<(), Failure> {
         outcome: &flight.outcome,
         left: flight.left,
         truly_left: &flight.truly_left,
+        lost: flight.lost,
         page: place.clone(),
         history: arguments.history.then_some(&flight.history),
     };
@@ -133,6 +136,9 @@ fn text(flight: &RecoveryFlight, page: &Path) -> String {
         significant(outcome.load_factor[1], 2),
         significant(outcome.altitude_lost_m, 2)
     );
+    if let Some(name) = &flight.lost {
+        let _ = writeln!(text, "\n{}", lost_words(name));
+    }
     if let Some(left) = &flight.left {
         let _ = writeln!(text, "\nWhat the estimate says is left: flying qualities {}", level(left.level));
         let degrees = |angle: f64| significant(angle.to_degrees(), 3);

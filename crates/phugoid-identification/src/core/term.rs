@@ -338,7 +338,7 @@ impl Term {
     }
 
     /// Derivative with respect to one of the flight variables, where they have these values.
-    pub(crate) fn slope(&self, variable: usize, factors: &[f64; FACTORS]) -> f64 {
+    pub fn slope(&self, variable: usize, factors: &[f64; FACTORS]) -> f64 {
         let value = |index: usize| factors.get(index).copied().unwrap_or(0.0);
         let plain = self.factors.iter().map(|&(index, power)| {
             let x = value(index);

@@ -43,6 +43,10 @@ pub struct AircraftSettings {
     /// Centre of gravity of the F-16, fraction of the mean aerodynamic chord; 0.35 where it is not given.
     #[serde(default)]
     pub cg: Option<f64>,
+    /// Length of a dynamically scaled model over that of the aircraft that it stands for, 0.055 for one of 5.5 %; 1 where it is not
+    /// given. `phugoid fly` asks of the model what is wanted of the full size.
+    #[serde(default)]
+    pub scale: Option<f64>,
     /// Whether surfaces follow their commands through actuators (lag, rate and position limits) or at once.
     #[serde(default)]
     pub actuators: bool,
@@ -158,6 +162,14 @@ impl AircraftSettings {
         };
         if let Some((key, _)) = foreign.iter().find(|(_, given)| *given) {
             return Err(format!("`aircraft.{key}` has a meaning with `{of}` alone: leave it out"));
+        }
+        if let Some(scale) = self.scale
+            && !(0.005..=1.0).contains(&scale)
+        {
+            return Err(
+                "`aircraft.scale` is the length of the model over that of the full size, 0.005 to 1 (0.055, not 5.5)"
+                    .to_owned(),
+            );
         }
         if let Some(cg) = self.cg
             && !(0.0..=1.0).contains(&cg)

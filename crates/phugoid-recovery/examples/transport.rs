@@ -1,0 +1,122 @@
+//! NASA's transport with six cases of measured damage, identified in flight and flown on: which are found, how they are called, whether
+//! the derivatives after them lie within their bounds, and how the flights end with each control.
+//!
+//! ```sh
+//! cargo run --release -p phugoid-recovery --example transport -- ../shared/data/gtm 10 1000
+//! ```
+//!
+//! Arguments: the folder of the tables (docs/transport.md), flights per damage, first seed. Every third flight is in light turbulence,
+//! the others in calm air.
+
+use phugoid_control::local::{ALPHA, BETA, LocalModel};
+use phugoid_control::lost::Lost;
+use phugoid_evaluation::monte_carlo::monte_carlo;
+use phugoid_identification::model_file::ModelFile;
+use phugoid_recovery::flight::{Control, Kind, RecoveryFlight, Settings, fly};
+use phugoid_simulation::scenario::Scenario;
+
+const DAMAGE_AT_S: f64 = 15.0;
+/// The words of the damages, and what each is called rightly.
+const DAMAGES: [(&str, Lost); 6] = [
+    ("rudder-off", Lost::Rudder),
+    ("vertical-tail-off", Lost::VerticalTail),
+    ("left-outboard-flap-off", Lost::LeftInnerWing),
+    ("left-wing-tip-off", Lost::LeftWingTip),
+    ("left-elevator-off", Lost::Elevator),
+    ("left-stabiliser-off", Lost::HorizontalTail),
+];
+const SCENARIO: &str = include_str!("transport/scenario.toml");
+const MODEL: &str = include_str!("transport/model.toml");
+
+/// What a flight with adaptive control tells, and how the others end.
+struct Told {
+    detected_s: Option<f64>,
+    early: bool,
+    named: Option<(Option<Lost>, Option<Lost>, bool)>,
+    /// Estimate less truth over the standard error: Cn_beta, Cm_alpha, Cl_alpha.
+    errors: [f64; 3],
+    departed_at_s: Option<f64>,
+    recovered: [bool; 4],
+}
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let mut arguments = std::env::args().skip(1);
+    let (Some(folder), Some(flights), Some(first)) = (arguments.next(), arguments.next(), arguments.next()) else {
+        return Err("arguments: FOLDER-OF-TABLES FLIGHTS-PER-DAMAGE FIRST-SEED".into());
+    };
+    let (flights, first): (usize, u64) = (flights.parse()?, first.parse()?);
+    let folder = std::fs::canonicalize(folder)?;
+    let model = ModelFile::parse(MODEL, "model.toml")?;
+    println!(
+        "damage                 flights  doubt  adopted after, s  named  wrongly  none of  covered: Cn_beta Cm_alpha Cl_alpha  level 1 or 2: fixed robust adaptive oracle"
+    );
+    for (word, part) in DAMAGES {
+        let one = |run: usize| -> Result<Told, String> {
+            let mut text = SCENARIO.replace("FOLDER", &folder.display().to_string()).replace("DAMAGE", word);
+            if run % 3 == 2 {
+                text.push_str("\n[turbulence]\nintensity = \"light\"\n");
+            }
+            let mut scenario = Scenario::parse(&text, "scenario.toml").map_err(|e| e.to_string())?;
+            scenario.seed = first + run as u64;
+            told(&scenario, &model)
+        };
+        let told = monte_carlo(flights, one, || ())?;
+        print_row(word, part, &told);
+    }
+    Ok(())
+}
+
+fn told(scenario: &Scenario, model: &ModelFile) -> Result<Told, String> {
+    let mut recovered = [false; 4];
+    let mut adaptive: Option<RecoveryFlight> = None;
+    for (control, recovered) in Control::ALL.into_iter().zip(&mut recovered) {
+        let flight = fly(scenario, &Settings { control, ..Settings::default() }, model).map_err(|e| e.to_string())?;
+        *recovered = flight.outcome.is_recovered();
+        if control == Control::Adaptive {
+            adaptive = Some(flight);
+        }
+    }
+    let flight = adaptive.ok_or("no flight with adaptive control")?;
+    let adopted = |from: f64| flight.events.iter().find(|e| e.kind == Kind::Adopted && e.time_s >= from);
+    let found = flight.estimate.as_ref();
+    let error = |of: fn(&LocalModel) -> f64| {
+        found.map_or(f64::NAN, |found| (of(&found.model) - of(&flight.truth.model)) / of(&found.std_error))
+    };
+    let departed = flight.events.iter().find(|e| e.kind == Kind::Departed);
+    Ok(Told {
+        detected_s: adopted(DAMAGE_AT_S).map(|e| e.time_s - DAMAGE_AT_S),
+        early: adopted(0.0).is_some_and(|e| e.time_s < DAMAGE_AT_S),
+        named: flight.lost.map(|name| (name.lost, name.or, name.has_changed)),
+        errors: [error(|m| m.rates[2][BETA]), error(|m| m.rates[1][ALPHA]), error(|m| m.rates[0][ALPHA])],
+        departed_at_s: departed.map(|e| e.time_s),
+        recovered,
+    })
+}
+
+fn print_row(word: &str, part: Lost, told: &[Told]) {
+    let count = |is: &dyn Fn(&Told) -> bool| told.iter().filter(|t| is(t)).count();
+    let mut latencies: Vec<f64> = told.iter().filter_map(|t| t.detected_s).collect();
+    latencies.sort_by(f64::total_cmp);
+    let median = latencies.get(latencies.len() / 2).copied().unwrap_or(f64::NAN);
+    let right = |t: &Told| matches!(t.named, Some((found, or, _)) if found == Some(part) || (found.is_some() && or == Some(part)));
+    let wrong = |t: &Told| matches!(t.named, Some((Some(_), ..))) && !right(t);
+    let none = |t: &Told| matches!(t.named, Some((None, ..)));
+    let flown: Vec<&Told> = told.iter().filter(|t| t.departed_at_s.is_none()).collect();
+    let covered = |k: usize| flown.iter().filter(|t| t.errors[k].abs() <= 2.0).count();
+    println!(
+        "{word:22} {:7}  {:5}  {median:16.2}  {:5}  {:7}  {:7}  {:>15} {:8} {:8} of {:<3} {:>20} {:6} {:8} {:6}",
+        told.len(),
+        count(&|t| t.early),
+        count(&right),
+        count(&wrong),
+        count(&none),
+        covered(0),
+        covered(1),
+        covered(2),
+        flown.len(),
+        count(&|t| t.recovered[0]),
+        count(&|t| t.recovered[1]),
+        count(&|t| t.recovered[2]),
+        count(&|t| t.recovered[3]),
+    );
+}
