@@ -7,6 +7,7 @@ import subprocess
 import tempfile
 
 import numpy
+import openpyxl
 import pyarrow
 import pyarrow.feather
 import pyarrow.ipc
