@@ -58,7 +58,7 @@ fn the_page_has_every_part_and_stays_small() {
         "id=\"events\"",
         "id=\"offer\"",
         "Cm = [&quot;alpha&quot;, &quot;alpha^2&quot;]",
-        "dCm_alpha2 = { prior_std = 1 }",
+        "\ndCm_alpha2 = { prior_std = 1 }",
         "id=\"method\"",
         "Channels read",
         "prefers-color-scheme:dark",
