@@ -22,3 +22,6 @@ rm -rf target/wheels
 echo "the example:"
 "$python" bindings/python/examples/estimate_f16.py
 "$python" -m mypy --config-file bindings/python/pyproject.toml --cache-dir target/mypy bindings/python/python/phugoid
+# The stub says of the native module what is there: every name, every parameter and its default.
+cd target
+MYPY_CACHE_DIR=mypy "$python" -m mypy.stubtest phugoid._phugoid --concise --mypy-config-file ../bindings/python/pyproject.toml

@@ -1,6 +1,7 @@
 #!/bin/sh
 # Round trips against the formats' own tools: what they write or read has to give the same numbers here.
-# ULog, DataFlash, MAVLink, the export to JSBSim; Parquet, Arrow, MATLAB and MCAP, whose libraries are off by default.
+# ULog, DataFlash, MAVLink, the export to JSBSim; Parquet, Arrow, MATLAB, MCAP and workbooks of Excel, whose libraries are off by
+# default.
 # Every script tests/python/round_trip_*.py is run with the environment of scripts/python-tools.sh; it finds the binaries that
 # it needs in the folder of $PHUGOID_EXAMPLES and the shared data, if there are any, in $PHUGOID_SHARED_DATA.
 set -eu
@@ -25,8 +26,10 @@ round_trip() {
 cargo build --quiet --locked --workspace --examples
 round_trip debug ulog dataflash mavlink jsbsim
 
-cargo build --quiet --locked --profile quick -p phugoid-flight-data -p phugoid-identification \
-    --features phugoid-flight-data/matlab,phugoid-flight-data/mcap,phugoid-identification/parquet \
+features=phugoid-flight-data/matlab,phugoid-flight-data/mcap,phugoid-identification/excel,phugoid-identification/parquet
+cargo build --quiet --locked --profile quick -p phugoid-flight-data -p phugoid-identification --features "$features" \
     --example dump_log --example read_table --example export_estimates
 round_trip quick tables mcap
+cargo test --quiet --locked --profile quick -p phugoid-flight-data -p phugoid-identification --features "$features" \
+    --test workbook
 echo "round trips: all the same"

@@ -7,6 +7,7 @@ import subprocess
 import tempfile
 
 import numpy
+import openpyxl
 import pyarrow
 import pyarrow.feather
 import pyarrow.ipc
@@ -100,12 +101,14 @@ def main():
 
 
 def estimates(folder):
-    """Estimates as Parquet, in pyarrow, against the same as CSV: text, numbers with null where there is none, truth values."""
+    """Estimates as Parquet in pyarrow, and as a workbook in openpyxl, against the same as CSV: text, numbers with null where
+    there is none, truth values."""
     path = shared("flight/hfb320.csv")
     if path is None:
         return
-    text, columns = folder / "estimates.csv", folder / "estimates.parquet"
-    subprocess.run([EXAMPLES / "export_estimates", path, "hfb320", text, columns], check=True, capture_output=True)
+    text, columns, workbook = folder / "estimates.csv", folder / "estimates.parquet", folder / "estimates.xlsx"
+    command = [EXAMPLES / "export_estimates", path, "hfb320", text, columns, workbook]
+    subprocess.run(command, check=True, capture_output=True)
     with open(text, newline="") as file:
         rows = list(csv.DictReader(file))
     found = pyarrow.parquet.read_table(columns)
@@ -115,6 +118,16 @@ def estimates(folder):
     for name in found.column_names:
         assert found[name].to_pylist() == [of[found.schema.field(name).type](row[name]) for row in rows], name
     print(f"  our estimates in pyarrow: {found.num_columns} columns of {found.num_rows} parameters are those of the CSV")
+    sheets = openpyxl.load_workbook(workbook)
+    head, *body = sheets["Parameters"].iter_rows(values_only=True)
+    for name in ("name", "value", "std_error", "corrected_std_error", "lower", "upper", "status", "truth"):
+        kind = str if name in ("name", "status") else number
+        assert [line[head.index(name)] for line in body] == [kind(row[name]) for row in rows], name
+    names, *matrix = sheets["Covariance"].iter_rows(values_only=True)
+    assert list(names[1:]) == [line[0] for line in matrix] == [row["name"] for row in rows]
+    for place, row in enumerate(rows):
+        assert abs(matrix[place][1 + place] - float(row["corrected_std_error"]) ** 2) <= 1e-12 * matrix[place][1 + place]
+    print(f"  our workbook in openpyxl: {len(body)} parameters of {', '.join(sheets.sheetnames)} are those of the CSV")
 
 
 main()

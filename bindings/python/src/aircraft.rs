@@ -36,6 +36,7 @@ fn described(document: &mut serde_json::Value, aircraft: &AnyAircraft) {
 #[pyfunction]
 #[pyo3(signature = (altitude_m, speed_m_s, cg=None, flight_path_rad=0.0, turn_rate_rad_s=0.0, aircraft="f16"))]
 pub(crate) fn trim(
+    py: Python<'_>,
     altitude_m: f64,
     speed_m_s: f64,
     cg: Option<f64>,
@@ -43,7 +44,8 @@ pub(crate) fn trim(
     turn_rate_rad_s: f64,
     aircraft: &str,
 ) -> PyResult<String> {
-    let (aircraft, trim) = trimmed(altitude_m, speed_m_s, cg, flight_path_rad, turn_rate_rad_s, aircraft)?;
+    let (aircraft, trim) =
+        py.detach(|| trimmed(altitude_m, speed_m_s, cg, flight_path_rad, turn_rate_rad_s, aircraft))?;
     let mut document = serde_json::to_value(&trim).map_err(raise)?;
     described(&mut document, &aircraft);
     Ok(document.to_string())
@@ -53,6 +55,7 @@ pub(crate) fn trim(
 #[pyfunction]
 #[pyo3(signature = (altitude_m, speed_m_s, cg=None, flight_path_rad=0.0, turn_rate_rad_s=0.0, aircraft="f16"))]
 pub(crate) fn linearize(
+    py: Python<'_>,
     altitude_m: f64,
     speed_m_s: f64,
     cg: Option<f64>,
@@ -60,8 +63,11 @@ pub(crate) fn linearize(
     turn_rate_rad_s: f64,
     aircraft: &str,
 ) -> PyResult<String> {
-    let (aircraft, trim) = trimmed(altitude_m, speed_m_s, cg, flight_path_rad, turn_rate_rad_s, aircraft)?;
-    let Linearization { model, longitudinal, lateral } = phugoid::linearize(&aircraft, &trim).map_err(raise)?;
+    let (aircraft, trim, Linearization { model, longitudinal, lateral }) = py.detach(|| {
+        let (aircraft, trim) = trimmed(altitude_m, speed_m_s, cg, flight_path_rad, turn_rate_rad_s, aircraft)?;
+        let linear = phugoid::linearize(&aircraft, &trim).map_err(raise)?;
+        PyResult::Ok((aircraft, trim, linear))
+    })?;
     let mut document = json!({ "trim": trim, "longitudinal": longitudinal, "lateral": lateral, "model": model });
     described(&mut document, &aircraft);
     Ok(document.to_string())

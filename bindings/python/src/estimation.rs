@@ -10,9 +10,11 @@ use phugoid_identification::estimation as results;
 use phugoid_identification::options::{Band, FlowAngles, Likelihood};
 use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
+use pyo3::types::PyBytes;
 
 use crate::error::raise;
 use crate::model::Model;
+use crate::pickle;
 use crate::record::Record;
 
 /// The result of an estimation.
@@ -29,6 +31,30 @@ impl Estimation {
     fn to_json(&self) -> PyResult<String> {
         let without = results::Estimation { history: results::History::default(), ..self.inner.clone() };
         serde_json::to_string(&without).map_err(raise)
+    }
+
+    /// Everything, histories too, as bytes, for `pickle`.
+    fn to_bytes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        let bytes = py.detach(|| pickle::bytes(&self.inner))?;
+        Ok(PyBytes::new(py, &bytes))
+    }
+
+    /// The result that `to_bytes` wrote.
+    #[staticmethod]
+    fn from_bytes(py: Python<'_>, bytes: &[u8]) -> PyResult<Self> {
+        py.detach(|| pickle::value(bytes, "result").map(Self::new))
+    }
+
+    /// Name of the record: its file, or the name of a scenario.
+    #[getter]
+    fn source(&self) -> &str {
+        &self.inner.source
+    }
+
+    /// Correlation matrix of the errors, in the order of `names`, by rows.
+    #[getter]
+    fn correlation(&self) -> Vec<Vec<f64>> {
+        self.inner.correlation.clone()
     }
 
     /// Names of the parameters, nuisance columns last.
@@ -116,6 +142,15 @@ impl Estimation {
     }
 }
 
+impl Estimation {
+    fn new(inner: results::Estimation) -> Self {
+        let mut history = inner.history.record(&inner.source);
+        // Its times are those of the record, and so is their zero.
+        history.quality.start = inner.quality.start;
+        Self { inner, history: Arc::new(history) }
+    }
+}
+
 /// Estimates the parameters of `model` from `record`.
 #[pyfunction]
 #[pyo3(signature = (record, model, method=None, change_detection=None, structure="offer", truth=BTreeMap::new(), further=Vec::new(),
@@ -171,11 +206,7 @@ pub(crate) fn estimate(
     });
     match failed {
         Some(error) => Err(error),
-        None => {
-            let inner = result.map_err(raise)?;
-            let history = Arc::new(inner.history.record(&inner.source));
-            Ok(Estimation { inner, history })
-        }
+        None => Ok(Estimation::new(result.map_err(raise)?)),
     }
 }
 

@@ -144,6 +144,7 @@ pub(crate) fn fleet_model(wanted: &str) -> PyResult<(String, String)> {
 #[pyfunction]
 #[pyo3(signature = (store, false_discoveries=0.05, only=Vec::new(), over="flights"))]
 pub(crate) fn fleet_tell(
+    py: Python<'_>,
     store: PathBuf,
     false_discoveries: f64,
     only: Vec<String>,
@@ -156,6 +157,8 @@ pub(crate) fn fleet_tell(
     };
     let store = Store::open(Path::new(&store)).map_err(raise)?;
     let question = Question { false_discoveries, only, over };
-    let findings = tell(&store.rows().map_err(raise)?, &store.logs().map_err(raise)?, &question).map_err(raise)?;
-    Ok((serde_json::to_string(&findings).map_err(raise)?, phugoid_fleet::page::html(&findings)))
+    py.detach(|| {
+        let findings = tell(&store.rows().map_err(raise)?, &store.logs().map_err(raise)?, &question).map_err(raise)?;
+        Ok((serde_json::to_string(&findings).map_err(raise)?, phugoid_fleet::page::html(&findings)))
+    })
 }

@@ -2,12 +2,14 @@
 //! documents are Python (`python/phugoid`).
 
 mod aircraft;
+mod design;
 mod error;
 mod estimation;
 mod examination;
 #[cfg(feature = "fleet")]
 mod fleet;
 mod model;
+mod pickle;
 mod record;
 mod session;
 mod studies;
@@ -22,9 +24,11 @@ fn _phugoid(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<model::Model>()?;
     module.add_class::<estimation::Estimation>()?;
     module.add_class::<session::Session>()?;
+    module.add_class::<session::Step>()?;
     module.add_function(wrap_pyfunction!(examination::inspect, module)?)?;
     module.add_function(wrap_pyfunction!(examination::compatibility, module)?)?;
     module.add_function(wrap_pyfunction!(estimation::estimate, module)?)?;
+    module.add_function(wrap_pyfunction!(design::design, module)?)?;
     module.add_function(wrap_pyfunction!(aircraft::trim, module)?)?;
     module.add_function(wrap_pyfunction!(aircraft::linearize, module)?)?;
     module.add_function(wrap_pyfunction!(studies::simulate, module)?)?;

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use phugoid_identification::model_file::Parameter;
 use pyo3::exceptions::PyDeprecationWarning;
 use pyo3::prelude::*;
 
@@ -14,11 +15,14 @@ use crate::error::raise;
 #[derive(Clone)]
 pub(crate) struct Model {
     pub(crate) inner: Arc<phugoid::Model>,
+    /// What it was read from: models are saved, and sent to other processes, as their text.
+    text: Arc<str>,
 }
 
-impl From<phugoid::Model> for Model {
-    fn from(model: phugoid::Model) -> Self {
-        Self { inner: Arc::new(model) }
+impl Model {
+    fn read(name: &str, text: &str) -> PyResult<Self> {
+        let model = phugoid::Model::parse(name, text).map_err(raise)?;
+        Ok(Self { inner: Arc::new(model), text: text.into() })
     }
 }
 
@@ -30,26 +34,28 @@ impl Model {
         let text =
             c"phugoid.Model(...) is now phugoid.Model.open(path), or phugoid.Model.named(name) for a built-in model";
         PyErr::warn(py, &py.get_type::<PyDeprecationWarning>(), text, 1)?;
-        phugoid::Model::find(name).map(Self::from).map_err(raise)
+        let (name, text) = phugoid::Model::find_text(name).map_err(raise)?;
+        Self::read(&name, &text)
     }
 
     /// The built-in model with this name.
     #[staticmethod]
     fn named(name: &str) -> PyResult<Self> {
-        phugoid::Model::named(name).map(Self::from).map_err(raise)
+        Self::read(name, phugoid::Model::text(name).map_err(raise)?)
     }
 
     /// Reads and checks the model file at this path.
     #[staticmethod]
     fn open(path: PathBuf) -> PyResult<Self> {
-        phugoid::Model::open(path).map(Self::from).map_err(raise)
+        let text = phugoid::Model::read_text(&path).map_err(raise)?;
+        Self::read(&path.display().to_string(), &text)
     }
 
     /// Reads and checks the text (TOML) of a model file; error messages use `name` for it.
     #[staticmethod]
     #[pyo3(signature = (text, name="model"))]
     fn parse(text: &str, name: &str) -> PyResult<Self> {
-        phugoid::Model::parse(name, text).map(Self::from).map_err(raise)
+        Self::read(name, text)
     }
 
     /// Names of the built-in models.
@@ -62,6 +68,25 @@ impl Model {
     #[staticmethod]
     fn text(name: &str) -> PyResult<&'static str> {
         phugoid::Model::text(name).map_err(raise)
+    }
+
+    /// The text (TOML) that it was read from.
+    #[getter]
+    fn toml(&self) -> &str {
+        &self.text
+    }
+
+    /// Of each parameter: name, unit, start value, one sigma of what is known beforehand, lower and upper limit (None
+    /// without), whether it is fixed, and whether it only supports the others (an offset or a sensor bias).
+    #[getter]
+    fn table(&self) -> Vec<(String, String, f64, f64, Option<[f64; 2]>, bool, bool)> {
+        let row = |p: &Parameter| (p.name.clone(), p.unit(), p.start, p.prior_std, p.bounds, p.fixed, p.is_nuisance());
+        self.inner.parameters.iter().map(row).collect()
+    }
+
+    /// The model as a table for notebooks.
+    fn _repr_html_(slf: Bound<'_, Self>) -> PyResult<String> {
+        slf.py().import("phugoid._show")?.getattr("model_html")?.call1((slf,))?.extract()
     }
 
     /// The file that it was read from, or the name of the built-in model.

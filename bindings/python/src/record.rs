@@ -7,15 +7,17 @@ use numpy::{PyArray1, PyReadonlyArray1};
 use phugoid_flight_data::csv;
 use phugoid_flight_data::deletion::{Deleted, Deletion};
 use phugoid_flight_data::memory::Memory;
-use phugoid_flight_data::quality::QualityReport;
+use phugoid_flight_data::quality::{QualityReport, Start};
 use phugoid_flight_data::reader::{self, ReadOptions};
 use phugoid_flight_data::record as library;
 use phugoid_flight_data::table::{Column, ColumnMapping, TableOptions, from_columns};
 use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
+use pyo3::types::PyBytes;
 
 use crate::error::raise;
 use crate::model::Model;
+use crate::pickle::{self, Written};
 
 /// A flight record: strictly increasing time and channels in SI units and radians.
 #[pyclass(module = "phugoid", frozen, from_py_object)]
@@ -123,6 +125,34 @@ impl Record {
         self.inner.len()
     }
 
+    /// When time zero was: seconds from 1970-01-01T00:00:00, and whether that is UTC; None where nobody wrote a date.
+    #[getter]
+    fn start(&self) -> Option<(f64, bool)> {
+        self.inner.quality.start.map(|start| (start.unix_s, start.is_utc))
+    }
+
+    /// A copy whose time zero was then: seconds from 1970-01-01T00:00:00, and whether that is UTC; None: not known.
+    fn starting(&self, start: Option<(f64, bool)>) -> PyResult<Self> {
+        if let Some((unix_s, _)) = start.filter(|(unix_s, _)| !unix_s.is_finite()) {
+            return Err(raise(format!("a record cannot start at {unix_s} s: write a date and a time")));
+        }
+        let mut record = (*self.inner).clone();
+        record.quality.start = start.map(|(unix_s, is_utc)| Start { unix_s, is_utc });
+        Ok(record.into())
+    }
+
+    /// Everything as bytes, for `pickle`.
+    fn to_bytes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        let bytes = py.detach(|| pickle::bytes(&Written::from(&*self.inner)))?;
+        Ok(PyBytes::new(py, &bytes))
+    }
+
+    /// The record that `to_bytes` wrote.
+    #[staticmethod]
+    fn from_bytes(py: Python<'_>, bytes: &[u8]) -> PyResult<Self> {
+        py.detach(|| pickle::value::<Written>(bytes, "record")?.record().map(Self::from))
+    }
+
     /// What the reader found, converted, repaired and left out, as text.
     #[getter]
     fn quality(&self) -> String {
@@ -156,8 +186,8 @@ impl Record {
     }
 
     /// Writes the record as CSV, in SI units and with the units in the headers.
-    fn write_csv(&self, path: PathBuf) -> PyResult<()> {
-        csv::write_path(&self.inner, &path).map_err(raise)
+    fn write_csv(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        py.detach(|| csv::write_path(&self.inner, &path)).map_err(raise)
     }
 
     fn __repr__(&self) -> String {

@@ -1,8 +1,14 @@
 """The package as a user meets it. Run by scripts/check-python.sh, which installs the wheel first."""
 
+import copy
+import datetime
+import pickle
+import subprocess
+import sys
 import threading
 from pathlib import Path
 
+import matplotlib
 import numpy as np
 import pandas
 import phugoid
@@ -69,11 +75,17 @@ def test_sample_by_sample_gives_the_same_bits(flight, model, result):
     measured = flight[0]
     session = phugoid.Session(model)
     samples = np.column_stack([measured[name] for name in session.channels])
-    assert not session.update(measured.time[0], samples[0]) and "noise" in session.message
-    assert not session.update(measured.time[0], samples[0]) and "does not come after" in session.message
+    # A sample that is not used is told from one that is, and no estimate is there yet.
+    first = session.update(measured.time[0], samples[0])
+    assert not first and first.kind == "waiting" and "noise" in first.reason and session.message == first.reason
+    again = session.update(measured.time[0], samples[0])
+    assert not again and again.kind == "refused" and "does not come after" in again.reason and "refused" in repr(again)
+    assert session.update(np.nan, samples[1]).kind == "refused"
+    short = session.update(measured.time[1], samples[1][:-1].copy())
+    assert short.kind == "refused" and "expected one for each of" in short.reason
     for time_s, sample in zip(measured.time[1:], samples[1:]):
-        session.update(time_s, sample)
-    assert session.message is None
+        last = session.update(time_s, sample)
+    assert last and last.kind == "estimated" and last.reason is None and session.message is None
     assert [value.hex() for value in session.values] == [result[name][0].hex() for name in session.parameters]
     snapshot = session.snapshot()
     assert snapshot["parameters"][0]["readiness"]["verdict"] == "ready"
@@ -173,6 +185,263 @@ def test_the_gil_is_released(flight, model):
         turns += 1
     thread.join()
     assert turns > 100
+
+
+def test_two_threads_estimate_at_once(flight, model):
+    """Each waits inside its estimation until the other one is inside its own: with a lock of ours, neither would end."""
+    meeting = threading.Barrier(2)
+    met = []
+
+    def work():
+        first = []
+
+        def progress(fraction):
+            if not first:
+                first.append(fraction)
+                meeting.wait(timeout=60)
+                met.append(threading.get_ident())
+
+        phugoid.estimate(flight[0], model, progress=progress)
+
+    threads = [threading.Thread(target=work) for _ in range(2)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len(set(met)) == 2
+
+
+def turns_during(call):
+    """How often this thread turns a loop while another one makes five calls."""
+    turns = 0
+    finished = threading.Event()
+
+    def work():
+        for _ in range(5):
+            call()
+        finished.set()
+
+    interval = sys.getswitchinterval()
+    # Who has the lock of the interpreter keeps it: only a call that gives it away itself lets this thread turn.
+    sys.setswitchinterval(60)
+    try:
+        thread = threading.Thread(target=work)
+        thread.start()
+        while not finished.is_set():
+            turns += 1
+            if turns % 1000 == 0:
+                # Gives it back, as a thread that reads a file does.
+                finished.wait(1e-5)
+        thread.join()
+    finally:
+        sys.setswitchinterval(interval)
+    return turns
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda record: phugoid.compatibility(record, flat_earth=True),
+        lambda record: phugoid.inspect(record, phugoid.Model.named("f16-model")),
+        lambda record: phugoid.simulate("f16-calm"),
+        lambda record: phugoid.design("multisine"),
+        lambda record: phugoid.estimate(record, phugoid.Model.named("f16-model"), structure="never"),
+        lambda record: pickle.dumps(record),
+    ],
+    ids=["compatibility", "inspect", "simulate", "design", "estimate", "pickle"],
+)
+def test_another_thread_works_while_a_call_lasts(flight, call):
+    # One thousand turns at least for each call that has given the lock away.
+    assert turns_during(lambda: call(flight[0])) > 2000
+
+
+def test_a_call_that_keeps_the_lock_would_be_noticed():
+    assert turns_during(lambda: sum(range(1_000_000))) <= 2000
+
+
+def test_a_session_is_used_by_several_threads(flight, model):
+    session = phugoid.Session(model)
+    samples = np.column_stack([flight[0][name] for name in session.channels])
+    failures = []
+
+    def read():
+        try:
+            while not finished.is_set():
+                session.values, session.message, repr(session)
+        except Exception as error:  # whatever it is, the test fails
+            failures.append(error)
+
+    finished = threading.Event()
+    thread = threading.Thread(target=read)
+    thread.start()
+    for time_s, sample in zip(flight[0].time[:600], samples):
+        session.update(time_s, sample)
+    finished.set()
+    thread.join()
+    assert failures == [] and session.values is not None
+
+
+def test_what_is_pickled_and_copied_is_the_same(flight, model, result):
+    for again in (pickle.loads(pickle.dumps(flight[0])), copy.deepcopy(flight[0])):
+        assert again.channels == flight[0].channels and np.array_equal(again.time, flight[0].time)
+        assert all(np.array_equal(again[name], flight[0][name], equal_nan=True) for name in again.channels)
+        assert again.quality == flight[0].quality and again.source == flight[0].source and again.units == flight[0].units
+    deleted = flight[0].delete(1.0, 1.1, reason="bird", channels="alpha")
+    assert pickle.loads(pickle.dumps(deleted)).deletions == deleted.deletions
+    assert np.isnan(copy.copy(deleted)["alpha"]).sum() == 11
+    for again in (pickle.loads(pickle.dumps(model)), copy.deepcopy(model)):
+        assert again.source == model.source and again.toml == model.toml
+        assert np.array_equal(phugoid.estimate(flight[0], again).values, result.values)
+    for again in (pickle.loads(pickle.dumps(result)), copy.deepcopy(result)):
+        assert again.to_dict() == result.to_dict() and repr(again) == repr(result)
+        assert np.array_equal(again.values, result.values) and np.array_equal(again.covariance, result.covariance)
+        assert np.array_equal(again.history["dCm_q"], result.history["dCm_q"], equal_nan=True)
+    # A batch method leaves NaN where nothing is measured.
+    batch = phugoid.estimate(flight[0], model, method="equation-error", structure="never")
+    assert repr(pickle.loads(pickle.dumps(batch))) == repr(batch)
+    with pytest.raises(phugoid.PhugoidError, match="no record"):
+        phugoid._phugoid.Record.from_bytes(b"rubbish")
+
+
+def test_a_pickle_is_read_in_another_process(tmp_path, result):
+    (tmp_path / "result.pickle").write_bytes(pickle.dumps(result))
+    code = "import pickle, sys; print(pickle.load(open(sys.argv[1], 'rb')).parameter('dCm_q').value.hex())"
+    told = subprocess.run(
+        [sys.executable, "-c", code, tmp_path / "result.pickle"], check=True, capture_output=True, text=True
+    )
+    assert told.stdout.strip() == result["dCm_q"][0].hex()
+
+
+def test_the_covariance_has_names(result):
+    frame = result.covariance_to_pandas()
+    assert list(frame.index) == list(frame.columns) == result.names
+    np.testing.assert_allclose(np.sqrt(np.diag(frame)), result.std_errors, rtol=1e-12)
+    between = frame.loc["dCm_alpha", "dCm_q"] / np.prod([result[name][1] for name in ("dCm_alpha", "dCm_q")])
+    place = [result.names.index(name) for name in ("dCm_alpha", "dCm_q")]
+    assert between == pytest.approx(result.correlation[place[0], place[1]])
+    assert np.array_equal(result.covariance, result.covariance.T) and (np.linalg.eigvalsh(result.covariance) > 0).all()
+
+
+BERLIN = pandas.date_range("2024-05-01 14:34:56.5", periods=50, freq="20ms", tz="Europe/Berlin")
+
+
+def test_a_frame_with_dates_is_a_record_with_a_start(tmp_path):
+    columns = {"alpha_deg": np.linspace(0, 1, 50), "note": ["x"] * 50}
+    record = phugoid.Record.from_frame(pandas.DataFrame(columns, index=BERLIN))
+    assert record.channels == ["alpha"]
+    np.testing.assert_allclose(record.time, 0.02 * np.arange(50), atol=1e-12)
+    assert record.start == datetime.datetime(2024, 5, 1, 12, 34, 56, 500_000, tzinfo=datetime.timezone.utc)
+    # Back again: the same instants, in UTC.
+    frame = record.to_pandas(index="time")
+    assert frame.index.tz is not None and (frame.index == BERLIN).all() and list(frame.columns) == ["alpha_rad"]
+    assert phugoid.Record.from_frame(frame).start == record.start
+    # Without a zone, and with durations.
+    naive = phugoid.Record.from_frame(pandas.DataFrame(columns, index=BERLIN.tz_localize(None)))
+    assert naive.start == datetime.datetime(2024, 5, 1, 14, 34, 56, 500_000)
+    assert naive.to_pandas(index="datetime").index.tz is None
+    durations = phugoid.Record.from_frame(pandas.DataFrame(columns, index=BERLIN - BERLIN[0]))
+    assert durations.start is None and np.array_equal(durations.time, record.time)
+    assert isinstance(durations.to_pandas(index="time").index, pandas.TimedeltaIndex)
+    assert "time_s" in durations.to_pandas().columns
+    with pytest.raises(phugoid.PhugoidError, match="with_start"):
+        durations.to_pandas(index="datetime")
+    with pytest.raises(phugoid.PhugoidError, match="'time', 'datetime' or 'timedelta'"):
+        durations.to_pandas(index="date")
+    when = datetime.datetime(2025, 1, 2, 3, 4, 5, tzinfo=datetime.timezone(datetime.timedelta(hours=1)))
+    assert durations.with_start(when).start == when and durations.with_start(None).start is None
+    with pytest.raises(phugoid.PhugoidError, match="datetime"):
+        durations.with_start("2025-01-02")
+    # Index and column at once: nobody can know which is meant.
+    both = pandas.DataFrame({"time_s": np.arange(50.0), **columns}, index=BERLIN)
+    with pytest.raises(phugoid.PhugoidError, match="reset_index"):
+        phugoid.Record.from_frame(both)
+    # A file with dates has a start too, and a part of it keeps the same zero.
+    (tmp_path / "dated.csv").write_text("time,alpha_deg\n2024-05-01T14:34:56+02:00,1\n2024-05-01T14:34:57+02:00,2\n")
+    dated = phugoid.Record.open(tmp_path / "dated.csv")
+    assert dated.start == datetime.datetime(2024, 5, 1, 12, 34, 56, tzinfo=datetime.timezone.utc)
+    assert dated.between(1.0, 1.0).to_pandas(index="time").index[0] == pandas.Timestamp("2024-05-01T12:34:57Z")
+
+
+def test_a_column_of_dates_is_the_time():
+    for frame in (
+        pandas.DataFrame({"when": BERLIN, "alpha_deg": np.arange(50.0)}),
+        polars.DataFrame({"when": polars.Series(BERLIN.to_list()), "alpha_deg": np.arange(50.0)}),
+    ):
+        record = phugoid.Record.from_frame(frame)
+        assert record.start == BERLIN[0] and record.time[-1] == pytest.approx(0.98, abs=1e-12)
+    two = pandas.DataFrame({"when": BERLIN, "logged": BERLIN, "alpha_deg": np.arange(50.0)})
+    with pytest.raises(phugoid.PhugoidError, match="'when', 'logged'"):
+        phugoid.Record.from_frame(two)
+
+
+def test_histories_have_the_times_of_the_record(flight, model):
+    start = datetime.datetime(2024, 5, 1, 12, 0, tzinfo=datetime.timezone.utc)
+    result = phugoid.estimate(flight[0].with_start(start), model)
+    frame = result.history.to_pandas(index="time")
+    assert isinstance(frame.index, pandas.DatetimeIndex) and frame.index[0] == start
+    assert (frame.index[-1] - frame.index[0]).total_seconds() == pytest.approx(20.0)
+    assert frame["dCm_q"].iloc[-1] == result["dCm_q"][0]
+    table = result.to_pandas()
+    assert table.loc["dCm_q", "unit"] == "per rad" and table["truth"].isna().all()
+
+
+def test_a_result_is_drawn(tmp_path, result):
+    matplotlib.use("Agg")
+    figure = result.plot()
+    shown = [axes for axes in figure.axes if axes.get_visible()]
+    assert [axes.get_ylabel() for axes in shown] == [f"{name} [per rad]" for name in result.names]
+    assert shown[-1].get_xlabel() == "time [s]" and "±" in shown[0].get_title(loc="right")
+    # The band is that of two standard errors, and the end of it lies inside the axis.
+    band = shown[0].collections[0].get_paths()[0].vertices
+    last = band[band[:, 0] == result.history.time[-1]][:, 1]
+    value, std_error = result[result.names[0]]
+    assert last.min() == pytest.approx(value - 2 * std_error) and last.max() == pytest.approx(value + 2 * std_error)
+    low, high = shown[0].get_ylim()
+    assert low < last.min() and last.max() < high
+    figure.savefig(tmp_path / "parameters.png")
+    assert (tmp_path / "parameters.png").stat().st_size > 20_000
+    outputs = result.plot("outputs")
+    assert "alpha [deg]" in [axes.get_ylabel() for axes in outputs.axes]
+    assert len([axes for axes in result.plot(["dCm_q"]).axes]) == 1
+    with pytest.raises(phugoid.PhugoidError, match="dCm_alpha"):
+        result.plot("Cm_q")
+
+
+def test_notebooks_show_the_status_first(flight, model, result):
+    html = result._repr_html_()
+    assert html.index("sound") < html.index("dCm_alpha") and html.count("<tr>") == 1 + len(result.names)
+    # The pitch stiffness with the wrong sign of the elevator: refused, in red, and the numbers struck out.
+    columns = flight[0].to_dict()
+    columns["elevator_rad"] = -columns["elevator_rad"]
+    columns["alpha_rad"] = 3 * columns["alpha_rad"]
+    wrong = phugoid.estimate(phugoid.Record.from_columns(columns), model)
+    assert wrong.status == "refused", wrong
+    html = wrong._repr_html_()
+    assert html.index("refused") < html.index(wrong.reasons[0].sentence[:10]) < html.index("dCm_alpha")
+    assert "#cf222e" in html and "<s " in html and "Use neither the numbers nor their bounds" in html
+    assert "2001 samples" in flight[0]._repr_html_() and ">alpha</td>" in flight[0]._repr_html_()
+    assert "dCm_q" in model._repr_html_() and "needs" in model._repr_html_()
+    evil = phugoid.Record.from_columns({"time_s": [0.0, 0.1], "<b>_deg": [1.0, 2.0]}, source="<script>")
+    assert "<script>" not in evil._repr_html_() and "&lt;script&gt;" in evil._repr_html_()
+
+
+def test_an_input_is_designed(model):
+    design = phugoid.design("3-2-1-1", model=model, limits={"deflection": np.radians(2)})
+    assert np.abs(design.input["elevator"]).max() <= np.radians(2) * (1 + 1e-9) and design.input.time[-1] > 15
+    assert set(design.bounds) >= {"dCm_alpha", "dCm_q"} and all(bound > 0 for bound in design.bounds.values())
+    assert design.to_dict()["limits"]["deflection"] == pytest.approx(np.radians(2)) and "3-2-1-1" in repr(design)
+    assert "alpha" in design.flight
+    assert phugoid.design("doublet").bounds == {}
+    for arguments, words in [
+        (dict(kind="chirp"), "doublet, 3-2-1-1, sweep, multisine"),
+        (dict(kind="doublet", surfaces="flap"), "elevator, aileron and rudder"),
+        (dict(kind="doublet", limits={"speed": 1.0}), "no limit on speed"),
+        (dict(kind="doublet", limits={"alpha": float("nan")}), "NaN"),
+        (dict(kind="doublet", limits={"alpha": -1.0}), "positive"),
+        (dict(kind="doublet", duration_s=0.6), "room|long|time"),
+    ]:
+        with pytest.raises(phugoid.PhugoidError, match=words):
+            phugoid.design(**arguments)
 
 
 def test_former_spellings_work_with_a_warning(tmp_path, flight):

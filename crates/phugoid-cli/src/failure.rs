@@ -88,6 +88,15 @@ impl Failure {
         ))
     }
 
+    /// A build without the feature `excel` was asked for a workbook.
+    pub(crate) fn no_excel(option: &str, path: &Path, instead: &str) -> Self {
+        Self::Input(format!(
+            "{option} {}: this build does not write workbooks of Excel; {instead}, or build it with \
+             cargo install --path crates/phugoid-cli --features excel",
+            path.display()
+        ))
+    }
+
     /// Writing to the file or folder that an option names failed.
     pub(crate) fn writing_of(option: &str, path: &Path, error: impl Display) -> Self {
         let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty() && !folder.exists());

@@ -71,6 +71,16 @@ pub struct Deleted {
     pub channels: Vec<DeletedValues>,
 }
 
+/// When time zero of a record was.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Start {
+    /// Seconds from 1970-01-01T00:00:00, without leap seconds, finite.
+    pub unix_s: f64,
+    /// True if that is UTC: the file writes `Z`, an offset such as `+02:00`, or the time of a satellite receiver. False for a
+    /// date and a time of day whose time zone nobody wrote.
+    pub is_utc: bool,
+}
+
 /// How many values of a channel were deleted.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct DeletedValues {
@@ -128,6 +138,9 @@ pub struct QualityReport {
     /// Values that were deleted by hand, with the reasons, in the order in which it was done.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub deletions: Vec<Deleted>,
+    /// When time zero was; `None` where the file has no date.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub start: Option<Start>,
     /// One entry per channel read from a file, time first; empty for a record made in memory.
     #[serde(default)]
     pub channels: Vec<ChannelQuality>,

@@ -6,7 +6,7 @@ use crate::font::{Fonts, reserved_width};
 use crate::legend::{self, Entry, Swatch};
 use crate::lettering::{NORMAL, SMALL, axis_text, fitted, text};
 use crate::plot_area::PlotArea;
-use crate::scene::{Anchor, Scene, Shape, WIDTH};
+use crate::scene::{Anchor, Scene, Shape, TimePlot, WIDTH};
 use crate::ticks::{Ticks, ticks};
 use crate::{curves, grid, heat_map, matrix};
 
@@ -33,7 +33,7 @@ pub(crate) fn scene(figure: &Figure, with_title: bool) -> Scene {
         return grid::scene(fonts, with_title.then_some(figure.title.as_str()), cells);
     }
 
-    let mut scene = Scene { width: WIDTH, height: 0.0, shapes: Vec::new() };
+    let mut scene = Scene { width: WIDTH, ..Scene::default() };
     let columns = figure.columns.max(1);
     let x_shared = shared_limits(figure);
     let plans: Vec<Plan> = figure.panels.iter().map(|panel| Plan::new(panel, figure, x_shared, fonts)).collect();
@@ -127,8 +127,10 @@ impl<'a> Plan<'a> {
             ticks(self.x, (((frame.right - frame.left) / 85.0) as usize).clamp(2, 12))
         };
         let map = PlotArea { x: self.x, y: self.y, frame };
+        let first = scene.shapes.len();
+        let mut grid = None;
         if self.heat_map().is_none() {
-            self.draw_grid(scene, &map, &x_ticks);
+            grid = self.draw_grid(scene, &map, &x_ticks);
         }
         match &self.panel.body {
             _ if self.empty => {
@@ -157,6 +159,7 @@ impl<'a> Plan<'a> {
             Body::HeatMap(map) => heat_map::draw(scene, fonts, map, frame),
             Body::Matrix { .. } | Body::Grid(_) => {}
         }
+        let inside = first..scene.shapes.len();
         let border = vec![vec![[frame.left, frame.top], [frame.left, frame.bottom], [frame.right, frame.bottom]]];
         scene.shapes.push(line(border, Colour::Muted, 1.0));
 
@@ -164,36 +167,45 @@ impl<'a> Plan<'a> {
             let y = map.at([self.x[0], *value])[1];
             scene.shapes.push(text(label, [frame.left - 6.0, y + 4.0], SMALL, Anchor::End, false, Colour::Muted));
         }
+        let first_label = scene.shapes.len();
+        let mut labels = first_label..first_label;
         if labelled {
             for (value, label) in x_ticks.values.iter().zip(&x_ticks.labels) {
                 let x = map.at([*value, self.y[0]])[0];
                 scene.shapes.push(text(label, [x, frame.bottom + 16.0], SMALL, Anchor::Middle, false, Colour::Muted));
             }
+            labels = first_label..scene.shapes.len();
             let label = axis_text(self.x_axis, x_ticks.exponent);
             let (label, size) = fitted(fonts, label, [SMALL, 11.0, 10.0], false, frame.right - frame.left);
             let middle = (frame.left + frame.right) / 2.0;
             scene.shapes.push(text(&label, [middle, frame.bottom + 33.0], size, Anchor::Middle, false, Colour::Ink));
         }
+        // Labels in powers of ten would need their factor changed with the part that is shown.
+        if self.is_over_time(x_ticks.exponent) {
+            scene.time_plots.push(TimePlot { frame, time: self.x, inside, grid, labels });
+        }
     }
 
-    fn draw_grid(&self, scene: &mut Scene, map: &PlotArea, x_ticks: &Ticks) {
+    /// Whether this panel shows curves or states over the time, with labels that are plain numbers.
+    fn is_over_time(&self, exponent: i32) -> bool {
+        let has_course = matches!(self.panel.body, Body::Plot { .. } | Body::Strip { .. });
+        has_course && !self.empty && self.panel.x.is_none() && exponent == 0 && self.x_axis.label == "Time"
+    }
+
+    /// Draws the lines at the ticks; gives the shape of those of the abscissa.
+    fn draw_grid(&self, scene: &mut Scene, map: &PlotArea, x_ticks: &Ticks) -> Option<usize> {
         let frame = map.frame;
-        let mut lines: Vec<Vec<[f64; 2]>> = x_ticks
-            .values
-            .iter()
-            .map(|v| map.at([*v, self.y[0]])[0])
-            .map(|x| vec![[x, frame.top], [x, frame.bottom]])
-            .collect();
-        lines.extend(
-            self.y_ticks
-                .values
-                .iter()
-                .map(|v| map.at([self.x[0], *v])[1])
-                .map(|y| vec![[frame.left, y], [frame.right, y]]),
-        );
-        if !lines.is_empty() {
-            scene.shapes.push(line(lines, Colour::Grid, 1.0));
+        let upright = x_ticks.values.iter().map(|v| map.at([*v, self.y[0]])[0]);
+        let upright: Vec<_> = upright.map(|x| vec![[x, frame.top], [x, frame.bottom]]).collect();
+        let level = self.y_ticks.values.iter().map(|v| map.at([self.x[0], *v])[1]);
+        let level: Vec<_> = level.map(|y| vec![[frame.left, y], [frame.right, y]]).collect();
+        if !level.is_empty() {
+            scene.shapes.push(line(level, Colour::Grid, 1.0));
         }
+        (!upright.is_empty()).then(|| {
+            scene.shapes.push(line(upright, Colour::Grid, 1.0));
+            scene.shapes.len() - 1
+        })
     }
 
     fn draw_events(&self, scene: &mut Scene, figure: &Figure, map: &PlotArea) {

@@ -1,6 +1,9 @@
 //! Shapes at their places: what the layout hands to the writers of SVG and PNG. Lengths are in px, x to the right, y
 //! down.
 
+use std::ops::Range;
+
+use crate::clip::Frame;
 use crate::figure::{Colour, Stroke};
 
 /// Width of a figure, px; a matrix or a grid may be narrower.
@@ -12,6 +15,22 @@ pub(crate) struct Scene {
     pub(crate) width: f64,
     pub(crate) height: f64,
     pub(crate) shapes: Vec<Shape>,
+    /// The panels over the time, in the order of their shapes.
+    pub(crate) time_plots: Vec<TimePlot>,
+}
+
+/// A panel whose abscissa is the time: what a page needs to show a part of it.
+#[derive(Clone, Debug)]
+pub(crate) struct TimePlot {
+    pub(crate) frame: Frame,
+    /// First and last time of the abscissa, s.
+    pub(crate) time: [f64; 2],
+    /// The shapes that move with the time: grid, curves, lines of reference.
+    pub(crate) inside: Range<usize>,
+    /// Of these, the lines at the ticks of the abscissa.
+    pub(crate) grid: Option<usize>,
+    /// The labels of the ticks of the abscissa; empty where another panel has them.
+    pub(crate) labels: Range<usize>,
 }
 
 /// A shape with colour and opacity (0 to 1).

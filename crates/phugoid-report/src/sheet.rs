@@ -11,7 +11,7 @@ const TITLE: f64 = 17.0;
 
 /// A sheet with a title only, as wide as the title needs, and the lower edge of the title, px.
 pub(crate) fn titled(fonts: Option<&Fonts>, title: Option<&str>) -> (Scene, f64) {
-    let mut scene = Scene { width: 0.0, height: 0.0, shapes: Vec::new() };
+    let mut scene = Scene { width: 0.0, height: 0.0, ..Scene::default() };
     let mut top = 8.0;
     if let Some(title) = title {
         top += TITLE;

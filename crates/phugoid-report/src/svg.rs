@@ -5,8 +5,9 @@
 
 use std::fmt::Write as _;
 
+use crate::clip::Frame;
 use crate::escape::escape;
-use crate::scene::{Anchor, Scene, Shape, Theme};
+use crate::scene::{Anchor, Scene, Shape, Theme, TimePlot};
 
 /// Units of the SVG for each px: coordinates are in tenths of a pixel.
 const UNITS: f64 = 10.0;
@@ -33,19 +34,44 @@ pub(crate) fn document(scene: &Scene, title: &str, theme: Theme) -> String {
         let _ = write!(out, "<rect width=\"{w}\" height=\"{h}\" fill=\"#ffffff\"/>");
     }
     out.push('\n');
-    for shape in &scene.shapes {
-        write_shape(&mut out, shape, theme);
+    // A figure of its own has no script beside it.
+    let plots: &[TimePlot] = if theme == Theme::Variables { &scene.time_plots } else { &[] };
+    for (index, shape) in scene.shapes.iter().enumerate() {
+        for plot in plots {
+            if index == plot.inside.end && !plot.inside.is_empty()
+                || index == plot.labels.end && !plot.labels.is_empty()
+            {
+                out.push_str("</g>\n");
+            }
+        }
+        for plot in plots {
+            if index == plot.inside.start && !plot.inside.is_empty() {
+                let Frame { left, top, right, bottom } = plot.frame;
+                let [left, top, right, bottom] = [left, top, right, bottom].map(tenths);
+                let [from, to] = plot.time;
+                let _ = writeln!(
+                    out,
+                    "<g class=\"plot\" data-frame=\"{left} {top} {right} {bottom}\" data-time=\"{from} {to}\">"
+                );
+            }
+            if index == plot.labels.start && !plot.labels.is_empty() {
+                out.push_str("<g class=\"labels\">\n");
+            }
+        }
+        let class = plots.iter().any(|plot| plot.grid == Some(index)).then_some("grid");
+        write_shape(&mut out, shape, theme, class);
     }
     out.push_str("</svg>\n");
     out
 }
 
-fn write_shape(out: &mut String, shape: &Shape, theme: Theme) {
+fn write_shape(out: &mut String, shape: &Shape, theme: Theme, class: Option<&str>) {
     match shape {
         Shape::Lines { lines, colour, width, stroke, opacity } => {
+            let class = class.map_or_else(String::new, |class| format!(" class=\"{class}\""));
             let _ = write!(
                 out,
-                "<path fill=\"none\" stroke=\"{}\" stroke-width=\"{}\"",
+                "<path{class} fill=\"none\" stroke=\"{}\" stroke-width=\"{}\"",
                 colour.paint(theme),
                 tenths(*width)
             );
@@ -195,6 +221,7 @@ mod tests {
         let scene = Scene {
             width: 10.0,
             height: 10.0,
+            time_plots: Vec::new(),
             shapes: vec![Shape::Text {
                 text: "a<b & \"c\"".into(),
                 at: [1.0, 2.0],

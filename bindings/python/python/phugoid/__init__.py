@@ -16,20 +16,23 @@ SI units and radians throughout; body axes x forward, y right, z down.
 
 from __future__ import annotations
 
+import copyreg
 import json
 import os
 import warnings
+from datetime import datetime
 from typing import Any, Callable, Iterable, Mapping, NamedTuple, Optional, Sequence, Union
 
 import numpy as np
 
-from . import _phugoid
+from . import _frames, _phugoid, _show
 from ._fleet import fleet, fleet_tell
-from ._phugoid import Model, PhugoidError, __version__
+from ._phugoid import Model, PhugoidError, Step, __version__
 from ._progress import reporter
 
 __all__ = [
     "Compatibility",
+    "Design",
     "Estimation",
     "Model",
     "Parameter",
@@ -37,9 +40,11 @@ __all__ = [
     "Reason",
     "Record",
     "Session",
+    "Step",
     "__version__",
     "compare",
     "compatibility",
+    "design",
     "estimate",
     "fleet",
     "fleet_tell",
@@ -141,13 +146,17 @@ class Record:
     @staticmethod
     def from_frame(frame: Any, source: str = "frame", columns: Optional[Columns] = None) -> "Record":
         """A flight from a pandas or polars ``DataFrame`` whose headers say their units. Columns that are no numbers are
-        left out."""
-        data = {}
-        for header in frame.columns:
-            values = frame[header].to_numpy()
-            if np.issubdtype(values.dtype, np.number) or values.dtype == bool:
-                data[str(header)] = values
-        return Record.from_columns(data, source=source, columns=columns)
+        left out.
+
+        The time is a column (``time_s``), or the index of a pandas frame where that is a ``DatetimeIndex`` or a
+        ``TimedeltaIndex``, or the one column of dates. Dates are counted from the first one, which becomes the ``start`` of
+        the record: in UTC where they have a time zone, whichever it is, else as they are written.
+
+        :raises PhugoidError: if index and column both give times, or several columns hold dates and none is the time.
+        """
+        data, start = _frames.columns_of(frame)
+        record = Record.from_columns(data, source=source, columns=columns)
+        return record if start is None else Record(record._native.starting(start))
 
     @property
     def source(self) -> str:
@@ -158,6 +167,16 @@ class Record:
     def time(self) -> np.ndarray:
         """Time of each sample, s, strictly increasing."""
         return self._native.time
+
+    @property
+    def start(self) -> Optional[datetime]:
+        """When the time was zero, to the microsecond: aware (UTC) where the file says so or has the time of a satellite
+        receiver, naive for a date whose time zone nobody wrote, None without a date."""
+        return _frames.to_datetime(self._native.start)
+
+    def with_start(self, start: Optional[datetime]) -> "Record":
+        """A copy whose time was zero at ``start``, a datetime with or without a time zone; None: nobody knows."""
+        return Record(self._native.starting(_frames.from_datetime(start)))
 
     @property
     def channels(self) -> list[str]:
@@ -185,6 +204,12 @@ class Record:
 
     def __repr__(self) -> str:
         return repr(self._native)
+
+    def _repr_html_(self) -> str:
+        return _show.record_html(self)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _record_of, (bytes(self._native.to_bytes()),)
 
     def between(self, start: Optional[float] = None, end: Optional[float] = None) -> "Record":
         """The part from one time (s) to another, both included."""
@@ -225,11 +250,19 @@ class Record:
         columns.update((self._native.header(name), self._native[name]) for name in self.channels)
         return columns
 
-    def to_pandas(self) -> Any:
-        """A pandas ``DataFrame`` with the headers of :meth:`to_dict`."""
+    def to_pandas(self, index: Optional[str] = None) -> Any:
+        """A pandas ``DataFrame`` with the headers of :meth:`to_dict`.
+
+        Without ``index`` the time is the column ``time_s``. ``index="time"`` makes it the index: dates where the record has
+        a ``start`` (with the time zone UTC where that is known), else durations; ``"datetime"`` and ``"timedelta"`` ask for
+        one of them.
+        """
         import pandas
 
-        return pandas.DataFrame(self.to_dict())
+        columns = self.to_dict()
+        if index is None:
+            return pandas.DataFrame(columns)
+        return pandas.DataFrame(columns, index=_frames.index_of(columns.pop("time_s"), self._native.start, index))
 
     def to_polars(self) -> Any:
         """A polars ``DataFrame`` with the headers of :meth:`to_dict`."""
@@ -306,6 +339,11 @@ class Estimation:
         self._native = native
 
     @property
+    def source(self) -> str:
+        """The file or the scenario of the record."""
+        return self._native.source
+
+    @property
     def method(self) -> str:
         """Name of the estimator that was used, one of :func:`methods`."""
         return self._native.method
@@ -370,8 +408,54 @@ class Estimation:
                 return Parameter(name, found["unit"], found["value"], found["corrected_std_error"], found["status"])
         return None
 
+    @property
+    def correlation(self) -> np.ndarray:
+        """Correlation matrix of the errors, rows and columns in the order of ``names``; 0 off the diagonal for a fixed
+        parameter."""
+        return _frames.covariance(self._native.correlation, np.ones(len(self.names)))
+
+    @property
+    def covariance(self) -> np.ndarray:
+        """Covariance matrix of the estimates, rows and columns in the order of ``names``: ``correlation`` with the
+        ``std_errors``, in the products of the parameters' units."""
+        return _frames.covariance(self._native.correlation, self.std_errors)
+
+    def covariance_to_pandas(self) -> Any:
+        """The covariance matrix as a pandas ``DataFrame`` with the names at its rows and columns."""
+        import pandas
+
+        return pandas.DataFrame(self.covariance, index=self.names, columns=self.names)
+
+    def plot(self, what: Union[str, Sequence[str]] = "parameters") -> Any:
+        """Draws the result with matplotlib (``pip install "phugoid[plot]"``) and returns the figure.
+
+        ``what`` is ``"parameters"`` (each over the time, with its bound of two standard errors, its unit, and the truth where
+        that is known), ``"outputs"`` (measured and predicted), or the names of some parameters. The histories begin with wide
+        bounds: an axis holds the last three quarters of the record.
+
+        :raises PhugoidError: if there is no such parameter.
+        """
+        if isinstance(what, str) and what == "outputs":
+            return _show.plot_outputs(self)
+        if isinstance(what, str) and what == "parameters":
+            names = [p["name"] for p in self.to_dict()["parameters"] if not p["nuisance"]] or self.names
+        else:
+            names = [what] if isinstance(what, str) else list(what)
+        strange = [name for name in names if name not in self.names]
+        if strange or not names:
+            raise PhugoidError(
+                f"plot('{', '.join(strange)}'): expected 'parameters', 'outputs', or some of {', '.join(self.names)}"
+            )
+        return _show.plot_parameters(self, names)
+
     def __repr__(self) -> str:
         return repr(self._native)
+
+    def _repr_html_(self) -> str:
+        return _show.estimation_html(self)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _estimation_of, (bytes(self._native.to_bytes()),)
 
     def to_dict(self) -> dict[str, Any]:
         """Everything but the histories, with the names of ``phugoid estimate --json``."""
@@ -379,21 +463,48 @@ class Estimation:
         return document
 
     def _table(self) -> dict[str, list[Any]]:
-        columns = ("name", "value", "corrected_std_error", "lower", "upper", "status", "truth")
+        columns = ("name", "value", "corrected_std_error", "lower", "upper", "status", "truth", "unit", "systematic_std")
         parameters = self.to_dict()["parameters"]
         return {column: [parameter[column] for parameter in parameters] for column in columns}
 
     def to_pandas(self) -> Any:
-        """The parameters as a pandas ``DataFrame``."""
+        """The parameters as a pandas ``DataFrame``, by name: value, standard error, bounds of two of these, status, truth
+        (NaN where it is not known), unit, and the part of the standard error that is declared in the model file."""
         import pandas
 
-        return pandas.DataFrame(self._table()).set_index("name")
+        table = pandas.DataFrame(self._table()).set_index("name")
+        # A column of nothing but None would be one of objects.
+        numbers = ("value", "corrected_std_error", "lower", "upper", "truth", "systematic_std")
+        return table.astype({column: float for column in numbers})
 
     def to_polars(self) -> Any:
         """The parameters as a polars ``DataFrame``."""
         import polars
 
         return polars.DataFrame(self._table())
+
+
+def _record_of(state: bytes) -> Record:
+    """The record that was pickled."""
+    return Record(_phugoid.Record.from_bytes(state))
+
+
+def _estimation_of(state: bytes) -> Estimation:
+    """The result that was pickled."""
+    return Estimation(_phugoid.Estimation.from_bytes(state))
+
+
+def _model_of(text: str, source: str) -> Model:
+    """The model that was pickled."""
+    return Model.parse(text, source)
+
+
+def _reduced(model: Model) -> tuple[Any, ...]:
+    return _model_of, (model.toml, model.source)
+
+
+# The class is native: this is how pickle and copy learn what it is made of.
+copyreg.pickle(Model, _reduced)
 
 
 def _structure(structure: Optional[str], offer: Optional[str]) -> str:
@@ -466,15 +577,26 @@ class Session:
 
         session = phugoid.Session(model)
         sample = np.empty(len(session.channels))       # SI, in the order of session.channels, NaN where missing
-        if session.update(time_s, sample):
+        step = session.update(time_s, sample)
+        if step:
             print(session.values, session.std_errors)  # in the order of session.parameters
         else:
-            print(session.message)
+            print(step.kind, step.reason)              # waiting or refused, and why
     """
 
     def __init__(self, model: Model, *, method: Optional[str] = None, change_detection: Optional[bool] = None) -> None:
         self._native = _phugoid.Session(model, method, change_detection)
-        self.update = self._native.update
+
+    def update(self, time_s: float, sample: np.ndarray) -> Step:
+        """Takes a sample: time (s), and one value per channel, SI, NaN where missing.
+
+        The answer is true if there is an estimate after it. If not, ``kind`` is ``"waiting"`` (the sample was used to measure
+        the noise, and there is no estimate yet) or ``"refused"`` (it was not used: its time does not come after the last one,
+        or it has not one value per channel), and ``reason`` says why.
+
+        :raises PhugoidError: if an estimation is impossible, as where units are certainly wrong; the session stays as it was.
+        """
+        return self._native.update(time_s, sample)
 
     @property
     def channels(self) -> list[str]:
@@ -531,10 +653,14 @@ class Session:
 def inspect(record: Record, model: Optional[Model] = None) -> dict[str, Any]:
     """Lists what a flight contains: channels, gaps, noise, doubtful units, manoeuvres.
 
-    The document is that of ``phugoid inspect --json``.
+    The document is that of ``phugoid inspect --json``, in SI units and radians:
 
-    With a model, ``support`` gives the smallest bound that the flight allows for each of its parameters; without one,
-    ``models`` lists what the record lacks for every built-in model.
+    - ``source``, ``samples``, ``span_s`` (first and last time), ``sample_time_s``, ``gaps_s`` (from and to, the longest ten);
+    - ``channels``: of each its name, header and unit in the file, values, missing ones, rate, range and noise;
+    - ``quality`` and ``doubts``: what the reader found, and which units and signs are implausible;
+    - ``found``: manoeuvres, motion without an input, and why nothing can be estimated, where that is so;
+    - ``derivatives``: for each the manoeuvre from which it can be estimated best;
+    - ``coherence`` of each surface that was moved and each output.
     """
     document: dict[str, Any] = json.loads(_phugoid.inspect(record._native, model))
     return document
@@ -617,6 +743,85 @@ def compatibility(
         [(name, float(value)) for name, value in (hold or {}).items()],
     )
     return Compatibility(json.loads(text), Record(corrected))
+
+
+class Design:
+    """An input for a flight test. ``design.input`` has the deflections of the surfaces from trim (rad) by time,
+    ``design.flight`` is the flight that they make, as the sensors of the scenario measure it."""
+
+    def __init__(self, document: dict[str, Any], deflections: Record, flight: Record) -> None:
+        self._document = document
+        #: Deflections from trim, rad, by surface.
+        self.input = deflections
+        #: The flight with this input, with the noise of the sensors.
+        self.flight = flight
+
+    @property
+    def bounds(self) -> dict[str, float]:
+        """The smallest standard error (one sigma) that any unbiased estimator can have on this flight, by parameter of the
+        model, in the parameter's unit; infinite where the input does not determine it, empty without a model."""
+        prediction = self._document["prediction"] or {"parameters": []}
+        # JSON has no infinity.
+        return {p["name"]: float("inf") if p["std_error"] is None else p["std_error"] for p in prediction["parameters"]}
+
+    def to_dict(self) -> dict[str, Any]:
+        """Everything else, with the names of ``phugoid design --json``, in SI units: ``scenario``, ``modes`` (natural
+        frequencies, rad/s), ``limits``, ``design`` (kind, band, inputs), ``peaks`` (largest deflection, rad, and rate, rad/s,
+        of each surface), ``limited_by`` (the limit that keeps each surface from moving more), ``excursions`` (how far the
+        aircraft moves from trim) and ``prediction`` (None without a model)."""
+        return self._document
+
+    def __repr__(self) -> str:
+        kind = self._document["design"]["kind"]
+        peaks = ", ".join(f"{name} {np.degrees(np.abs(self.input[name]).max()):.3g} deg" for name in self.input.channels)
+        return f"<Design {kind} for '{self._document['scenario']}': {peaks}, {self.input.time[-1]:.4g} s>"
+
+
+def design(
+    kind: str,
+    surfaces: Union[str, Iterable[str]] = "elevator",
+    *,
+    scenario: str = "f16-calm",
+    model: Optional[Model] = None,
+    duration_s: float = 20.0,
+    lead_s: float = 0.5,
+    band_hz: Optional[tuple[float, float]] = None,
+    linear_sweep: bool = False,
+    amplitudes_rad: Iterable[float] = (),
+    limits: Optional[Mapping[str, float]] = None,
+) -> Design:
+    """Designs an input: ``kind`` is ``"doublet"``, ``"3-2-1-1"``, ``"sweep"`` or ``"multisine"``.
+
+    ``surfaces`` are ``elevator``, ``aileron`` and ``rudder``; ``scenario``, a file or one of :func:`scenarios`, gives aircraft,
+    condition, sample rate and sensors. The input is as large as the ``limits`` allow, in SI units: ``deflection`` (5 deg),
+    ``surface_rate`` (60 deg/s), ``alpha`` (3 deg), ``load_factor`` (0.5 g), ``beta`` (3 deg), ``bank`` (30 deg); or it has the
+    ``amplitudes_rad``, one for each surface. ``duration_s`` includes the quiet ``lead_s``; ``band_hz`` is that of sweeps and
+    multisines, from the modes of the aircraft if not given. With a ``model``, ``bounds`` of the result say what the flight will
+    tell. The amplitudes come from a simulation: begin with a tenth of them on a real aircraft.
+
+    :raises PhugoidError: if the input does not fit into the time, a limit is not positive, or a word is not known.
+    """
+    usual = ("deflection", "surface_rate", "alpha", "load_factor", "beta", "bank")
+    strange = set(limits or {}) - set(usual)
+    if strange:
+        raise PhugoidError(f"limits: there is no limit on {', '.join(sorted(strange))}; there are {', '.join(usual)}")
+    given = {name: float(value) for name, value in (limits or {}).items()}
+    unclear = [name for name, value in given.items() if np.isnan(value)]
+    if unclear:
+        raise PhugoidError(f"limits: {', '.join(unclear)} is NaN: give a number, or leave it out")
+    text, deflections, flight = _phugoid.design(
+        kind,
+        [surfaces] if isinstance(surfaces, str) else list(surfaces),
+        scenario,
+        model,
+        duration_s,
+        lead_s,
+        None if band_hz is None else [float(band_hz[0]), float(band_hz[1])],
+        linear_sweep,
+        [float(amplitude) for amplitude in amplitudes_rad],
+        [given.get(name, float("nan")) for name in usual],
+    )
+    return Design(json.loads(text), Record(deflections), Record(flight))
 
 
 def simulate(scenario: str, seed: Optional[int] = None) -> tuple[Record, Record, dict[str, float]]:

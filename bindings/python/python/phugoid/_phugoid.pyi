@@ -1,8 +1,32 @@
 from os import PathLike
-from typing import Any, Callable, Optional, Union
+from typing import Any, Callable, Optional, Union, final
 
 import numpy as np
 from numpy.typing import NDArray
+
+__all__ = [
+    "__version__",
+    "PhugoidError",
+    "Record",
+    "Model",
+    "Estimation",
+    "Session",
+    "Step",
+    "inspect",
+    "compatibility",
+    "estimate",
+    "design",
+    "trim",
+    "linearize",
+    "simulate",
+    "compare",
+    "names",
+    "FleetTask",
+    "fleet_files",
+    "fleet_hash",
+    "fleet_model",
+    "fleet_tell",
+]
 
 __version__: str
 
@@ -13,6 +37,7 @@ _Report = Optional[Callable[[float], Any]]
 
 class PhugoidError(ValueError): ...
 
+@final
 class Record:
     source: str
     time: _Array
@@ -36,12 +61,18 @@ class Record:
     def header(self, name: str) -> str: ...
     def between(self, start: Optional[float] = ..., end: Optional[float] = ...) -> Record: ...
     deletions: list[tuple[float, float, str, list[tuple[str, int]]]]
+    start: Optional[tuple[float, bool]]
+    def starting(self, start: Optional[tuple[float, bool]]) -> Record: ...
+    def to_bytes(self) -> bytes: ...
+    @staticmethod
+    def from_bytes(bytes: bytes) -> Record: ...
     def delete(self, channels: list[str], start: float, end: float, reason: str) -> Record: ...
     def write_csv(self, path: _Path) -> None: ...
-    def __getitem__(self, name: str) -> _Array: ...
-    def __contains__(self, name: str) -> bool: ...
+    def __getitem__(self, name: str, /) -> _Array: ...
+    def __contains__(self, name: str, /) -> bool: ...
     def __len__(self) -> int: ...
 
+@final
 class Model:
     """An aircraft, its coefficient build-up and what is known beforehand: ``Model.named``, ``Model.open``, ``Model.parse``."""
 
@@ -50,7 +81,12 @@ class Model:
     parameters: list[str]
     channels: list[str]
     axes: list[str]
-    def __init__(self, name: str) -> None:
+    toml: str
+    """The text (TOML) that it was read from."""
+    table: list[tuple[str, str, float, float, Optional[list[float]], bool, bool]]
+    """Of each parameter: name, unit, start value, one sigma of what is known beforehand, lower and upper limit (None without),
+    whether it is fixed, and whether it only supports the others."""
+    def __new__(cls, name: str) -> Model:
         """The former way in: the file at this path, or the built-in model of this name."""
 
     @staticmethod
@@ -67,8 +103,12 @@ class Model:
     def built_in() -> list[str]: ...
     @staticmethod
     def text(name: str) -> str: ...
+    def _repr_html_(self) -> str: ...
 
+@final
 class Estimation:
+    source: str
+    correlation: list[list[float]]
     method: str
     names: list[str]
     values: _Array
@@ -80,8 +120,22 @@ class Estimation:
     verdict: list[str]
     history: Record
     def to_json(self) -> str: ...
-    def __getitem__(self, name: str) -> tuple[float, float]: ...
+    def to_bytes(self) -> bytes: ...
+    @staticmethod
+    def from_bytes(bytes: bytes) -> Estimation: ...
+    def __getitem__(self, name: str, /) -> tuple[float, float]: ...
 
+@final
+class Step:
+    """What has become of a sample: true where there is an estimate after it."""
+
+    kind: str
+    """``estimated``, ``waiting`` (used to measure the noise) or ``refused`` (not used)."""
+    reason: Optional[str]
+    """Why there is no estimate after the sample; None where there is one."""
+    def __bool__(self) -> bool: ...
+
+@final
 class Session:
     channels: list[str]
     parameters: list[str]
@@ -89,8 +143,8 @@ class Session:
     values: Optional[_Array]
     std_errors: Optional[_Array]
     systematic_std_errors: Optional[_Array]
-    def __init__(self, model: Model, method: Optional[str] = ..., change_detection: Optional[bool] = ...) -> None: ...
-    def update(self, time_s: float, values: _Array) -> bool: ...
+    def __new__(cls, model: Model, method: Optional[str] = ..., change_detection: Optional[bool] = ...) -> Session: ...
+    def update(self, time_s: float, values: _Array) -> Step: ...
     def snapshot_json(self) -> Optional[str]: ...
     def layout_json(self) -> str: ...
     def take_events_json(self) -> str: ...
@@ -120,14 +174,27 @@ def estimate(
     flow_angles: str = ...,
     band: Optional[tuple[float, float]] = ...,
 ) -> Estimation: ...
+def design(
+    kind: str,
+    surfaces: list[str],
+    scenario: str,
+    model: Optional[Model],
+    duration_s: float,
+    lead_s: float,
+    band_hz: Optional[list[float]],
+    linear_sweep: bool,
+    amplitudes_rad: list[float],
+    limits: list[float],
+) -> tuple[str, Record, Record]: ...
 def trim(altitude_m: float, speed_m_s: float, cg: Optional[float] = ..., flight_path_rad: float = ..., turn_rate_rad_s: float = ..., aircraft: str = ...) -> str: ...
 def linearize(altitude_m: float, speed_m_s: float, cg: Optional[float] = ..., flight_path_rad: float = ..., turn_rate_rad_s: float = ..., aircraft: str = ...) -> str: ...
 def simulate(scenario: str, seed: Optional[int] = ...) -> tuple[Record, Record, str, list[str]]: ...
 def compare(scenarios: list[str], methods: list[str] = ..., seeds: int = ..., progress: _Report = ...) -> str: ...
 def names() -> tuple[list[str], list[str], list[str]]: ...
 
+@final
 class FleetTask:
-    def __init__(self, model_name: str, model_text: str, store: str, method: Optional[str] = ..., segments: str = ..., flights: Optional[str] = ..., begin: bool = ...) -> None: ...
+    def __new__(cls, model_name: str, model_text: str, store: str, method: Optional[str] = ..., segments: str = ..., flights: Optional[str] = ..., begin: bool = ...) -> FleetTask: ...
     def plan(self, logs: list[tuple[str, str, int, str]], shard: str) -> tuple[list[tuple[str, str, int, str]], str]: ...
     def one(self, log: tuple[str, str, int, str], file: str) -> Optional[tuple[int, bool]]: ...
     def run(self, files: list[str], shard: str, workers: int, progress: _Report = ...) -> str: ...

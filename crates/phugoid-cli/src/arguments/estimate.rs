@@ -109,9 +109,9 @@ pub(crate) struct Estimate {
     #[arg(long)]
     pub(crate) json: bool,
     /// Also write the result in another form: `csv=FILE`, `parquet=FILE` and `json=FILE` write the estimates,
-    /// `jsbsim=FILE` the model as a JSBSim `<aerodynamics>` section, `daveml=FILE` as a model in DAVE-ML with uncertainties
-    /// and check data (`phugoid check FILE` evaluates it), `gazebo=FILE` the model as parameters of the
-    /// advanced lift-drag plugin that PX4's simulations use. May be repeated
+    /// `xlsx=FILE` all tables of the result as a workbook of Excel, `jsbsim=FILE` the model as a JSBSim `<aerodynamics>`
+    /// section, `daveml=FILE` as a model in DAVE-ML with uncertainties and check data (`phugoid check FILE` evaluates it),
+    /// `gazebo=FILE` the model as parameters of the advanced lift-drag plugin that PX4's simulations use. May be repeated
     #[arg(long, value_name = "FORM=FILE", value_parser = export)]
     pub(crate) export: Vec<Export>,
     /// Write the model file again, with the estimates as start values: an aircraft for `trim`, `simulate` and `design`
@@ -208,6 +208,7 @@ pub(crate) enum ExportForm {
     Csv,
     Json,
     Parquet,
+    Xlsx,
     Jsbsim,
     Gazebo,
     Daveml,
@@ -226,12 +227,13 @@ fn export(text: &str) -> Result<Export, String> {
         "csv" => ExportForm::Csv,
         "json" => ExportForm::Json,
         "parquet" => ExportForm::Parquet,
+        "xlsx" => ExportForm::Xlsx,
         "jsbsim" => ExportForm::Jsbsim,
         "gazebo" | "px4" => ExportForm::Gazebo,
         "daveml" => ExportForm::Daveml,
         other => {
             return Err(format!(
-                "`{other}` is no form: write csv=, json=, parquet=, jsbsim=, daveml= or gazebo= and a file"
+                "`{other}` is no form: write csv=, json=, parquet=, xlsx=, jsbsim=, daveml= or gazebo= and a file"
             ));
         }
     };

@@ -17,7 +17,7 @@ type Writer = fn(&Identified<'_>) -> Result<Exported, ExportError>;
 /// The function that writes a whole model in this form; none for the forms that contain only the estimates.
 fn writer(form: ExportForm) -> Option<Writer> {
     match form {
-        ExportForm::Csv | ExportForm::Json | ExportForm::Parquet => None,
+        ExportForm::Csv | ExportForm::Json | ExportForm::Parquet | ExportForm::Xlsx => None,
         ExportForm::Jsbsim => Some(jsbsim),
         ExportForm::Gazebo => Some(gazebo),
         ExportForm::Daveml => Some(daveml),
@@ -32,6 +32,9 @@ pub(crate) fn check(exports: &[Export], model: &ModelFile) -> Result<(), Failure
     for Export { form, file } in exports {
         if *form == ExportForm::Parquet && cfg!(not(feature = "parquet")) {
             return Err(Failure::no_parquet("--export", file, "take csv= in place of parquet="));
+        }
+        if *form == ExportForm::Xlsx && cfg!(not(feature = "excel")) {
+            return Err(no_excel(file));
         }
         if let Some(write) = writer(*form) {
             write(&Identified::start(model)).map_err(|e| Failure::input(format!("--export: {e}")))?;
@@ -61,6 +64,7 @@ pub(crate) fn write(
             }
             (ExportForm::Csv, None) => as_text(csv(estimation))?,
             (ExportForm::Parquet, None) => write_parquet(estimation, file)?,
+            (ExportForm::Xlsx, None) => write_workbook(estimation, file)?,
             _ => as_text(json(&Document::new(estimation, None, Vec::new()))?)?,
         }
         told.push_str(&written(format!("Written: {}", file.display()), notes));
@@ -110,4 +114,21 @@ fn write_parquet(estimation: &Estimation, file: &Path) -> Result<(), Failure> {
 #[cfg(not(feature = "parquet"))]
 fn write_parquet(_: &Estimation, file: &Path) -> Result<(), Failure> {
     Err(Failure::no_parquet("--export", file, "take csv= in place of parquet="))
+}
+
+#[cfg(feature = "excel")]
+fn write_workbook(estimation: &Estimation, file: &Path) -> Result<(), Failure> {
+    let bytes =
+        phugoid_identification::export::xlsx(estimation).map_err(|e| Failure::input(format!("--export: {e}")))?;
+    output_file::write(file, bytes).map_err(|e| Failure::writing_of("--export", file, e))
+}
+
+/// This build does not write workbooks; [`check`] has refused it before the estimation.
+#[cfg(not(feature = "excel"))]
+fn write_workbook(_: &Estimation, file: &Path) -> Result<(), Failure> {
+    Err(no_excel(file))
+}
+
+fn no_excel(file: &Path) -> Failure {
+    Failure::no_excel("--export", file, "take csv= in place of xlsx=")
 }

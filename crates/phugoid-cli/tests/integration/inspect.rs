@@ -202,3 +202,38 @@ fn a_build_without_parquet_says_how_to_get_it_before_it_estimates() {
         assert!(told.contains(more[0]), "{told}");
     }
 }
+
+#[cfg(not(feature = "excel"))]
+#[test]
+fn a_build_without_excel_says_how_to_get_it_before_it_estimates() {
+    let folder = flown("f16-calm", "no-excel");
+    let run = phugoid(
+        &folder.0,
+        &["estimate", "measured.csv", "--model", "f16-model", "--no-report", "--export", "xlsx=result.xlsx"],
+    );
+    let told = run.fails(3);
+    assert!(told.contains("does not write workbooks of Excel") && told.contains("--features excel"), "{told}");
+    assert!(!folder.0.join("result.xlsx").exists());
+}
+
+#[cfg(feature = "excel")]
+#[test]
+fn a_result_is_a_workbook_that_is_read_back() {
+    use phugoid_flight_data::excel;
+    use phugoid_flight_data::table::TableOptions;
+    let folder = flown("f16-calm", "excel");
+    let run =
+        ["estimate", "measured.csv", "--model", "f16-model", "--no-report", "--json", "--export", "xlsx=result.xlsx"];
+    let result = phugoid(&folder.0, &run).json();
+    let options =
+        TableOptions { sample_time_s: Some(1.0), variable: Some("Parameters".to_owned()), ..TableOptions::default() };
+    let table = excel::read_path(&folder.0.join("result.xlsx"), &options).unwrap();
+    let parameters = result["parameters"].as_array().unwrap();
+    for column in ["value", "corrected_std_error", "lower"] {
+        let values = &table.channel(column).unwrap().values;
+        assert_eq!(values.len(), parameters.len());
+        for (value, parameter) in values.iter().zip(parameters) {
+            assert_eq!(Some(*value), parameter[column].as_f64(), "{column}");
+        }
+    }
+}

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use super::decode::Scale;
 use super::{Field, Log, LogError, Message, Selection, Topic};
 use crate::memory::{Account, Excess, many};
-use crate::quality::{Finding, QualityReport, Severity};
+use crate::quality::{Finding, QualityReport, Severity, Start};
 
 /// Largest number of fields of one topic; further ones are left out with a warning.
 const MAX_FIELDS: usize = 4096;
@@ -58,7 +58,11 @@ impl Head {
             message.time_s = if message.time_s.is_nan() { 0.0 } else { (message.time_s - start_us) * 1e-6 };
         }
         if let Some(offset_s) = self.utc_offset_s {
-            self.information.extend(super::utc::information(offset_s + start_us * 1e-6));
+            let unix_s = offset_s + start_us * 1e-6;
+            let words = super::utc::information(unix_s);
+            // A clock that was never set says 1970 or 1980, which is no date.
+            self.quality.start = (!words.is_empty()).then_some(Start { unix_s, is_utc: true });
+            self.information.extend(words);
         }
         start_us
     }

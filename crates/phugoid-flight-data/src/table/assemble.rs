@@ -101,6 +101,7 @@ fn count_from_first(time: &mut [f64], clock: Option<&Clock>, report: &mut Qualit
         return;
     }
     time.iter_mut().for_each(|t| *t -= first);
+    report.start = clock.and_then(|clock| clock.start(first));
     let first = clock.map_or_else(|| format!("{first:.3} s"), |clock| clock.written(first));
     report.note("time", format!("counts from the first row, which is at {first}"));
     if let Some(turns) = clock.map(Clock::turns).filter(|turns| *turns > 0.0) {

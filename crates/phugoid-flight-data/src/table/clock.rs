@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use crate::calendar;
+use crate::quality::Start;
 
 /// A clock time as it is written.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -11,8 +12,8 @@ struct Reading {
     seconds: f64,
     cycle: Cycle,
     date: Option<Date>,
-    /// How far the local time is ahead of UTC, s; 0 where nothing is written.
-    ahead: f64,
+    /// How far the local time is ahead of UTC, s; `None` where nothing is written.
+    ahead: Option<f64>,
 }
 
 /// After which time a clock without a date shows the same again.
@@ -60,6 +61,8 @@ pub(crate) struct Clock {
     /// Days by which dates are moved, because the rows before were read in the other order.
     shift: f64,
     dated: bool,
+    /// A time without a zone was read: nobody knows that these are UTC.
+    local: bool,
 }
 
 impl Clock {
@@ -72,10 +75,11 @@ impl Clock {
     /// from the first of January, counted on over the end of each; `None` for other texts.
     pub(crate) fn seconds(&mut self, text: &str) -> Option<f64> {
         let reading = read(text)?;
+        self.local |= reading.ahead.is_none();
         let seconds = match reading.date {
             Some(date) => {
                 self.dated = true;
-                self.days(date)? * DAY + reading.seconds - reading.ahead
+                self.days(date)? * DAY + reading.seconds - reading.ahead.unwrap_or(0.0)
             }
             None => {
                 let cycle = reading.cycle.seconds();
@@ -95,6 +99,14 @@ impl Clock {
     /// How often a clock without a date began again.
     pub(crate) fn turns(&self) -> f64 {
         self.turns
+    }
+
+    /// When a time that this clock gave was; `None` for clocks without a date.
+    pub(crate) fn start(&self, seconds: f64) -> Option<Start> {
+        // Two orders of day and month are two dates, and only a file of several days tells which it is.
+        let sure = self.month_first.is_some() || self.numbers.is_none();
+        let unix_s = seconds - self.shift * DAY;
+        (self.dated && sure && unix_s.is_finite()).then_some(Start { unix_s, is_utc: !self.local })
     }
 
     /// A time that this clock gave, as date and time of day.
@@ -168,19 +180,20 @@ fn read(text: &str) -> Option<Reading> {
     (date.is_none() || cycle == Cycle::Day).then_some(Reading { seconds, cycle, date, ahead })
 }
 
-/// Takes `Z`, `UTC`, `GMT` and offsets such as `+02:00` from the end, and gives the offset, s.
-fn offset(text: &str) -> Option<(&str, f64)> {
+/// Takes `Z`, `UTC`, `GMT` and offsets such as `+02:00` from the end, and gives the offset, s; none where nothing
+/// of the kind is written.
+fn offset(text: &str) -> Option<(&str, Option<f64>)> {
     let lower = text.to_ascii_lowercase();
     let kept = |end: &str| text.get(..text.len() - end.len()).map(str::trim_end);
     for end in ["utc", "gmt", "z"] {
         if lower.ends_with(end) {
-            return Some((kept(end)?, 0.0));
+            return Some((kept(end)?, Some(0.0)));
         }
     }
     // The sign of an offset stands behind the colons of the time; those of a date stand before.
     let Some(sign) = text.rfind(['+', '-']).filter(|sign| text.get(..*sign).is_some_and(|time| time.contains(':')))
     else {
-        return Some((text, 0.0));
+        return Some((text, None));
     };
     let digits: String = text.get(sign + 1..)?.chars().filter(|c| *c != ':').collect();
     let number: f64 = digits.bytes().all(|b| b.is_ascii_digit()).then(|| digits.parse().ok()).flatten()?;
@@ -192,7 +205,7 @@ fn offset(text: &str) -> Option<(&str, f64)> {
     let negative = text.as_bytes().get(sign) == Some(&b'-');
     let rest = text.get(..sign)?.trim_end();
     let rest = rest.strip_suffix("UTC").or_else(|| rest.strip_suffix("GMT")).unwrap_or(rest).trim_end();
-    Some((rest, if negative { -seconds } else { seconds }))
+    Some((rest, Some(if negative { -seconds } else { seconds })))
 }
 
 /// Splits a date from the time behind it; `None` where there is no date.
@@ -355,6 +368,27 @@ mod tests {
         }
         assert_eq!(seconds("1970-01-01T00:00:00Z"), Some(0.0));
         assert_eq!(seconds("2024-02-29 00:00:00"), Some(1_709_164_800.0));
+    }
+
+    #[test]
+    fn the_start_is_known_where_a_date_is_written() {
+        let start = |texts: &[&str]| {
+            let mut clock = Clock::default();
+            let times: Vec<f64> = texts.iter().filter_map(|text| clock.seconds(text)).collect();
+            clock.start(times[0]).map(|start| (start.unix_s, start.is_utc))
+        };
+        let may = 1_714_566_896.0;
+        assert_eq!(start(&["2024-05-01T12:34:56Z"]), Some((may, true)));
+        assert_eq!(start(&["2024-05-01T14:34:56+02:00"]), Some((may, true)));
+        assert_eq!(start(&["2024-05-01 12:34:56"]), Some((may, false)));
+        // One row without a zone makes all of them local.
+        assert_eq!(start(&["2024-05-01T12:34:56Z", "2024-05-01T12:34:57"]), Some((may, false)));
+        assert_eq!(start(&["12:34:56Z"]), None);
+        assert_eq!(start(&["123:12:34:56"]), None);
+        // The fifth of January or the first of May: only the next day tells.
+        assert_eq!(start(&["05/01/2024 12:34:56"]), None);
+        assert_eq!(start(&["05/01/2024 12:34:56", "05/02/2024 12:34:56"]), Some((may, false)));
+        assert_eq!(start(&["01/05/2024 12:34:56", "02/05/2024 12:34:56"]), Some((may, false)));
     }
 
     #[test]

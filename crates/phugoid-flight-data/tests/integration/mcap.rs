@@ -54,6 +54,8 @@ fn every_compression_gives_the_same_numbers() {
         assert!(said.contains("mcap-ros2-support"), "{said}");
         let utc = log.information.iter().find(|(name, _)| name == "utc_at_start");
         assert_eq!(utc.unwrap().1, "2024-05-01T12:34:56.000Z");
+        let start = log.quality.start.unwrap();
+        assert!((start.unix_s - 1_714_566_896.0).abs() < 1e-3 && start.is_utc, "{start:?}");
         let survey = mcap::survey(bytes(name).as_slice(), "x.mcap").unwrap();
         assert_eq!(survey.topic("attitude", 0).unwrap().samples, 40);
     }

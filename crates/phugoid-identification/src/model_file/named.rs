@@ -120,6 +120,14 @@ impl ModelFile {
         Ok(Self::parse(&path.display().to_string(), &text)?)
     }
 
+    /// The text at this path, unchecked, for who keeps it beside the model; [`parse`](Self::parse) checks it.
+    ///
+    /// # Errors
+    /// [`ModelError::Unreadable`], as [`open`](Self::open).
+    pub fn read_text(path: &Path) -> Result<String, ModelError> {
+        read(path)
+    }
+
     /// The model file at this path, or, where there is no such file, the built-in model of this name: what the command
     /// line takes as `--model`.
     ///

@@ -12,6 +12,7 @@ use crate::ticks::significant;
 
 mod arena;
 mod batch;
+mod changes;
 mod offer;
 mod options;
 mod page;
@@ -26,8 +27,11 @@ use page::{Section, prose, trimmed};
 pub use reproduction::{NotRun, ReproductionOptions, reproduction_html};
 pub use study::{StudyPage, StudySection, study_html};
 
-/// An estimation as one HTML page without scripts and without links to other files; the figures are inside. Two calls
-/// with the same estimation and options give the same bytes.
+/// Zoom and pan of the figures over the time.
+const ZOOM: &str = include_str!("zoom.js");
+
+/// An estimation as one HTML page without links to other files; the figures are inside. Its one script, inside too, enlarges
+/// parts of the time; the page is whole without it. Two calls with the same estimation and options give the same bytes.
 ///
 /// ```
 /// use phugoid_identification::estimation::Estimation;
@@ -38,7 +42,7 @@ pub use study::{StudyPage, StudySection, study_html};
 /// let page = html(&estimation, &options);
 /// assert!(page.contains("<h1>Parameter estimation: dutch &lt;roll&gt;.csv</h1>"));
 /// assert!(page.contains("<code>phugoid estimate</code>"));
-/// assert!(!page.contains("<script") && !page.contains("<link"));
+/// assert!(!page.contains("<script src") && !page.contains("<link"));
 /// ```
 pub fn html(estimation: &Estimation, options: &HtmlOptions) -> String {
     let title = options.title.clone().unwrap_or_else(|| match estimation.source.as_str() {
@@ -50,6 +54,8 @@ pub fn html(estimation: &Estimation, options: &HtmlOptions) -> String {
     let sections = [
         Section::new("summary", "Summary", summary(estimation)),
         Section::new("parameters", "Parameters", tables::parameters(estimation)),
+        Section::new("changes", "Changes adopted in flight", changes::changes(estimation)),
+        Section::new("methods", "By two methods", changes::methods(estimation)),
         Section::new("readiness", "Readiness of the parameters", readiness::readiness(estimation)),
         Section::new("offer", "Terms that the residuals ask for", offer::offer(estimation)),
         Section::new("correlation-section", "Correlation", correlation(estimation, &all)),
@@ -61,7 +67,7 @@ pub fn html(estimation: &Estimation, options: &HtmlOptions) -> String {
         Section::new("method", "Method and settings", tables::method(estimation, options)),
     ];
     let header = alarm(estimation) + &facts(estimation);
-    page::document(&title, "Estimated by Phugoid", &options.notes, &header, &sections)
+    page::with_script(page::document(&title, "Estimated by Phugoid", &options.notes, &header, &sections), ZOOM)
 }
 
 /// The headline of a refused or doubtful result, above everything else; empty for others.

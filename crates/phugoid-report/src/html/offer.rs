@@ -100,7 +100,9 @@ fn effects(offer: &Offer) -> String {
     } else {
         "Nothing was changed. To take them in, write into the model file"
     };
-    let _ = writeln!(out, "<p>{begin}</p>\n<div class=\"scroll\"><pre>{}</pre></div>", escape(&lines(&offer.lines)));
+    // Line by line: an escaped line end is a blank, and lines of TOML on one line are none.
+    let lines: Vec<String> = lines(&offer.lines).lines().map(escape).collect();
+    let _ = writeln!(out, "<p>{begin}</p>\n<div class=\"scroll\"><pre>{}</pre></div>", lines.join("\n"));
     out
 }
 

@@ -56,6 +56,15 @@ pub(super) fn document(title: &str, by: &str, notes: &[String], header: &str, se
     page
 }
 
+/// The page with a script at its end, after everything that the script looks for. A page without a figure over the time needs
+/// none.
+pub(super) fn with_script(page: String, script: &str) -> String {
+    if !page.contains("<g class=\"plot\"") {
+        return page;
+    }
+    page.replacen("</main>\n</body>", &format!("</main>\n<script>\n{script}</script>\n</body>"), 1)
+}
+
 /// Short facts side by side. Those with an empty value are left out.
 pub(super) fn facts(facts: &[(&str, String)]) -> String {
     let mut out = String::from("<dl class=\"facts\">\n");
@@ -104,8 +113,10 @@ pub(super) fn breakable(text: &str) -> String {
     escape(text).replace('/', "/<wbr>")
 }
 
-/// Escaped text in which text between backticks is set as code. With an odd number of backticks they stay as they are.
+/// Escaped text in which text between backticks is set as code. With an odd number of backticks they stay as they are. The
+/// signs of a terminal, `+-` and `->`, become those of print.
 pub(super) fn prose(text: &str) -> String {
+    let text = &text.replace(" +- ", " ± ").replace(" -> ", " → ");
     if text.matches('`').count() % 2 == 1 {
         return escape(text);
     }

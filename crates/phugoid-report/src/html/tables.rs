@@ -201,7 +201,11 @@ fn systematic_row(estimation: &Estimation, parameter: &ParameterResult) -> Strin
     let words = parameter.contributors_in_words(UncertainQuantity::ALL.len());
     let words = if words.is_empty() { dash() } else { escape(&words) };
     let bar = variance_bar(parameter);
-    format!("<tr>{}{}<td>{bar}</td><td>{words}</td></tr>\n", first_cells(parameter, &unit), number_cells(&cells))
+    format!(
+        "<tr>{}{}<td>{bar}</td><td class=\"words\">{words}</td></tr>\n",
+        first_cells(parameter, &unit),
+        number_cells(&cells)
+    )
 }
 
 /// A bar as long as the variance of a parameter, split into what is random, what each declared quantity and what an

@@ -4,7 +4,11 @@ use crate::markup;
 use crate::synthetic;
 
 use markup::assert_balanced;
-use phugoid_identification::estimation::{Estimation, Event, EventKind, Signal};
+use phugoid_identification::estimate::Method;
+use phugoid_identification::estimation::{
+    AdoptedChange, BatchReport, ChangeOutcome, ChangedParameter, Estimation, Event, EventKind, OtherValue,
+    SecondAnswer, Signal,
+};
 use phugoid_report::figure::Body;
 use phugoid_report::{
     HtmlOptions, ReportError, TimeHistoryPanel, figures, html, time_histories, write_figures, write_named_figures,
@@ -20,10 +24,16 @@ fn the_page_refers_to_nothing_outside() {
     for case in [fighter(), jet()] {
         let page = page(&estimation(&case));
         let rest = page.replace("xmlns=\"http://www.w3.org/2000/svg\"", "");
-        for forbidden in ["http:", "https:", "//", "<script", "<link", "<img", "<iframe", "@import", "url(", "src="] {
+        for forbidden in
+            ["http:", "https:", "//", "<script ", "<link", "<img", "<iframe", "@import", "url(", "src=", "fetch("]
+        {
             assert!(!rest.contains(forbidden), "{forbidden} in the page");
         }
         assert_balanced(&page);
+        // One script, at the end, and everything before it is there without it.
+        assert_eq!(page.matches("<script>").count(), 1);
+        let (before, after) = page.split_once("<script>").unwrap();
+        assert!(before.contains("</main>") && after.ends_with("</script>\n</body>\n</html>\n"));
     }
 }
 
@@ -48,7 +58,7 @@ fn the_page_has_every_part_and_stays_small() {
         "id=\"events\"",
         "id=\"offer\"",
         "Cm = [&quot;alpha&quot;, &quot;alpha^2&quot;]",
-        "dCm_alpha2 = { prior_std = 1 }",
+        "\ndCm_alpha2 = { prior_std = 1 }",
         "id=\"method\"",
         "Channels read",
         "prefers-color-scheme:dark",
@@ -104,6 +114,57 @@ fn two_runs_give_the_same_bytes() {
 }
 
 #[test]
+fn before_and_after_of_a_change_and_a_second_method_stand_side_by_side() {
+    let mut given = estimation(&jet());
+    assert!(!page(&given).contains("Changes adopted in flight") && !page(&given).contains("By two methods"));
+    let name = given.parameters[0].name.clone();
+    let small = ChangedParameter { name: name.clone(), before: -0.5, before_std: 0.03, after: -0.51, after_std: 0.04 };
+    let large = ChangedParameter { before: -0.5, after: -1.0, name: given.parameters[1].name.clone(), ..small.clone() };
+    given.changes =
+        vec![AdoptedChange { time_s: 4.56, outcome: ChangeOutcome::Confirmed, parameters: vec![small, large] }];
+    given.batch = Some(BatchReport {
+        iterations: 3,
+        cost: 1.0,
+        noise_std: Vec::new(),
+        unknowns: Vec::new(),
+        manoeuvres: Vec::new(),
+        equations: Vec::new(),
+        second_answer: Some(SecondAnswer {
+            method: Method::EquationError,
+            values: vec![OtherValue { name: name.clone(), value: 2.0, std_error: 0.5 }],
+        }),
+        band: None,
+        prediction: None,
+        notes: Vec::new(),
+    });
+    let page = page(&given);
+    assert_balanced(&page);
+    let changes = page.split("<section id=\"changes\">").nth(1).unwrap().split("</section>").next().unwrap();
+    assert!(changes.contains("At 4.560 s") && changes.contains("Confirmed:"), "{changes}");
+    // The one that moved most comes first: half over 0.05.
+    assert!(changes.find(&given.parameters[1].name) < changes.find(&name), "{changes}");
+    assert!(changes.contains("−10.0") && changes.contains("−0.2"), "{changes}");
+    let methods = page.split("<section id=\"methods\">").nth(1).unwrap().split("</section>").next().unwrap();
+    assert!(methods.contains("equation-error") && methods.contains("2.000") && methods.contains("<svg"), "{methods}");
+}
+
+#[test]
+fn a_figure_over_the_time_says_where_its_time_is() {
+    let page = page(&estimation(&jet()));
+    let first = page.split("<g class=\"plot\" data-frame=\"").nth(1).unwrap();
+    let (frame, rest) = first.split_once("\" data-time=\"").unwrap();
+    let frame: Vec<f64> = frame.split(' ').map(|number| number.parse().unwrap()).collect();
+    let time: Vec<f64> = rest.split('"').next().unwrap().split(' ').map(|number| number.parse().unwrap()).collect();
+    assert!(frame.len() == 4 && frame[0] < frame[2] && frame[1] < frame[3], "{frame:?}");
+    assert!(time.len() == 2 && time[0] < time[1], "{time:?}");
+    // Lines and labels of its ticks can be told from the curves.
+    assert!(page.contains("<path class=\"grid\"") && page.contains("<g class=\"labels\">"));
+    // A figure of its own has nothing of this.
+    let (_, figure) = &figures(&estimation(&jet()))[1];
+    assert!(!figure.to_svg().contains("class="));
+}
+
+#[test]
 fn text_of_users_cannot_become_markup() {
     let attack = "<script>alert('&\"')</script>";
     let mut given = estimation(&fighter());
@@ -127,7 +188,8 @@ fn text_of_users_cannot_become_markup() {
         settings: vec![(attack.to_owned(), attack.to_owned())],
     };
     let page = html(&given, &options);
-    assert!(!page.contains("<script"));
+    assert_eq!(page.matches("<script").count(), 1);
+    assert!(!page.contains("<script>alert"));
     assert!(page.contains("&lt;script&gt;alert(&#39;&amp;&quot;&#39;)&lt;/script&gt;"));
     assert_balanced(&page);
     for (_, figure) in figures(&given) {

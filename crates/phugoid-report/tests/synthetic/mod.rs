@@ -296,6 +296,7 @@ pub(crate) fn estimation(case: &Case) -> Estimation {
         ],
         quality: QualityReport {
             deletions: Vec::new(),
+            start: None,
             rows_read: count + 3,
             rows_kept: count,
             sample_time_s: step,

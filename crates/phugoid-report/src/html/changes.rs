@@ -1,0 +1,175 @@
+//! What a parameter was and is: before and after each adopted change, and by another method.
+
+use std::fmt::Write as _;
+
+use phugoid_identification::estimation::{AdoptedChange, ChangeOutcome, Estimation};
+
+use super::page::{END_OF_TABLE, table};
+use super::tables::number_cells;
+use crate::escape::escape;
+use crate::figures::unit_of;
+use crate::ticks::{fixed, significant};
+
+/// A value and its error of one sigma, in the unit that is shown.
+#[derive(Clone, Copy)]
+struct Known {
+    value: f64,
+    sigma: f64,
+}
+
+impl Known {
+    fn ends(self) -> [f64; 2] {
+        [self.value - 2.0 * self.sigma, self.value + 2.0 * self.sigma]
+    }
+
+    fn cells(self) -> [String; 2] {
+        [significant(self.value, 4), significant(2.0 * self.sigma, 3)]
+    }
+}
+
+/// The adopted changes with the parameters before and after; empty where nothing was adopted.
+pub(super) fn changes(estimation: &Estimation) -> String {
+    estimation.changes.iter().filter(|change| !change.parameters.is_empty()).map(|c| one(estimation, c)).collect()
+}
+
+fn one(estimation: &Estimation, change: &AdoptedChange) -> String {
+    let outcome = match change.outcome {
+        ChangeOutcome::OnProbation => "Not yet confirmed: the estimate from before it still runs as a rival",
+        ChangeOutcome::Confirmed => "Confirmed: the estimate after it has predicted better",
+        ChangeOutcome::RolledBack => "Taken back: the estimate from before it has predicted better",
+    };
+    let mut rows: Vec<_> = change.parameters.iter().collect();
+    rows.sort_by(|a, b| b.sigmas().abs().total_cmp(&a.sigmas().abs()));
+    let mut out = format!(
+        "<h3>At {} s</h3>\n<p>{outcome}.</p>\n{}",
+        significant(change.time_s, 4),
+        table(&[
+            ("", "Parameter"),
+            ("", "Unit"),
+            ("n", "Before"),
+            ("n", "± 2σ"),
+            ("n", "After"),
+            ("n", "± 2σ"),
+            ("n", "Moved by<br>(σ)"),
+            ("", "Before (grey), after (blue)"),
+        ])
+    );
+    for p in rows {
+        let unit = unit_of(estimation, &p.name);
+        let known = |value: f64, sigma: f64| Known { value: value * unit.factor, sigma: sigma * unit.factor };
+        let (before, after) = (known(p.before, p.before_std), known(p.after, p.after_std));
+        let [[a, b], [c, d]] = [before.cells(), after.cells()];
+        let _ = writeln!(
+            out,
+            "<tr><th scope=\"row\">{}</th><td>{}</td>{}<td>{}</td></tr>",
+            escape(&p.name),
+            escape(&unit.text),
+            number_cells(&[a, b, c, d, signed(p.sigmas())]),
+            intervals(&[("muted", before), ("blue", after)])
+        );
+    }
+    out.push_str(END_OF_TABLE);
+    out
+}
+
+/// The parameters by this method and by the one that gives a second answer; empty where there is none.
+pub(super) fn methods(estimation: &Estimation) -> String {
+    let Some(other) = estimation.batch.as_ref().and_then(|batch| batch.second_answer.as_ref()) else {
+        return String::new();
+    };
+    let pairs: Vec<_> = estimation
+        .parameters
+        .iter()
+        .filter_map(|p| Some((p, other.values.iter().find(|value| value.name == p.name)?)))
+        .collect();
+    if pairs.is_empty() {
+        return String::new();
+    }
+    let (this, that) = (estimation.method.name(), other.method.name());
+    let both = format!("{this} (blue), {that} (orange)");
+    let mut out = table(&[
+        ("", "Parameter"),
+        ("", "Unit"),
+        ("n", this),
+        ("n", "± 2σ"),
+        ("n", that),
+        ("n", "± 2σ"),
+        ("n", "Apart by<br>(σ)"),
+        ("", both.as_str()),
+    ]);
+    for (p, value) in pairs {
+        let unit = unit_of(estimation, &p.name);
+        let own = Known { value: p.value * unit.factor, sigma: p.random_std() * unit.factor };
+        let second = Known { value: value.value * unit.factor, sigma: value.std_error * unit.factor };
+        let sigma = own.sigma.hypot(second.sigma);
+        let apart = if sigma > 0.0 { (own.value - second.value) / sigma } else { f64::NAN };
+        let [[a, b], [c, d]] = [own.cells(), second.cells()];
+        let _ = writeln!(
+            out,
+            "<tr><th scope=\"row\">{}</th><td>{}</td>{}<td>{}</td></tr>",
+            escape(&p.name),
+            escape(&unit.text),
+            number_cells(&[a, b, c, d, signed(apart)]),
+            intervals(&[("blue", own), ("orange", second)])
+        );
+    }
+    out.push_str(END_OF_TABLE);
+    out.push_str(
+        "<p class=\"note\">Two methods with different assumptions on the same record. Bounds without what the model file \
+         declares, which both share. Answers that are many σ apart say that an assumption of one of them does not hold: \
+         noise in the measurements of the flow angles, turbulence, a term that the model lacks.</p>\n",
+    );
+    out
+}
+
+/// A number of sigmas with its sign; a dash where there is none.
+fn signed(sigmas: f64) -> String {
+    if !sigmas.is_finite() {
+        return "–".to_owned();
+    }
+    format!("{}{}", if sigmas >= 0.0 { "+" } else { "" }, fixed(sigmas, 1))
+}
+
+/// Intervals of two sigmas on one scale, a dot at each value: a picture beside the numbers, which say the same. Empty where a
+/// number is not finite.
+fn intervals(all: &[(&str, Known)]) -> String {
+    const WIDTH: f64 = 1600.0;
+    const MARGIN: f64 = 60.0;
+    let ends = || all.iter().flat_map(|(_, known)| known.ends());
+    let (low, high) = (ends().fold(f64::INFINITY, f64::min), ends().fold(f64::NEG_INFINITY, f64::max));
+    if !ends().all(f64::is_finite) || high <= low {
+        return String::new();
+    }
+    let at = |value: f64| MARGIN + (WIDTH - 2.0 * MARGIN) * (value - low) / (high - low);
+    let mut out =
+        "<svg class=\"intervals\" viewBox=\"0 0 1600 220\" aria-hidden=\"true\" stroke-linecap=\"round\">".to_owned();
+    for (row, (colour, known)) in all.iter().enumerate() {
+        let y = 65 + 90 * row;
+        let [from, to] = known.ends().map(at);
+        let _ = write!(
+            out,
+            "<path stroke=\"var(--{colour})\" stroke-width=\"26\" stroke-opacity=\"0.55\" d=\"M{from:.0} {y}H{to:.0}\"/>\
+             <path stroke=\"var(--{colour})\" stroke-width=\"70\" d=\"M{:.0} {y}h0\"/>",
+            at(known.value)
+        );
+    }
+    out.push_str("</svg>");
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn intervals_stand_on_one_scale() {
+        let known = |value, sigma| Known { value, sigma };
+        let drawn = intervals(&[("muted", known(0.0, 0.5)), ("blue", known(3.0, 0.5))]);
+        // From -1 to 4: the first from the left margin to two fifths, the second from three fifths to the right margin.
+        assert!(drawn.contains("d=\"M60 65H652\"") && drawn.contains("d=\"M948 155H1540\""), "{drawn}");
+        assert_eq!(intervals(&[("blue", known(f64::NAN, 1.0))]), "");
+        assert_eq!(intervals(&[("blue", known(1.0, 0.0))]), "");
+        assert_eq!(signed(f64::NAN), "–");
+        assert_eq!(signed(-1.26), "−1.3");
+    }
+}
