@@ -17,7 +17,7 @@ pub(super) fn flight() -> String {
     let mcap = if cfg!(feature = "mcap") { ", or MCAP" } else { "" };
     format!(
         "The flight: a table with units in its headers such as alpha_deg (CSV{gzip}{matlab}{excel}{parquet}), or a log of \
-         PX4 (ULog) or ArduPilot (DataFlash){mcap}; - reads standard input"
+         PX4 (ULog), ArduPilot (DataFlash) or a ground station (.tlog){mcap}; - reads standard input"
     )
 }
 
