@@ -241,8 +241,14 @@ impl Reading {
             }
         };
         match message.name {
-            "PARAM_VALUE" => return Ok(self.parameter(message, frame.payload)),
-            "STATUSTEXT" => return Ok(self.text(message, frame.payload, time_us.unwrap_or(f64::NAN))),
+            "PARAM_VALUE" => {
+                self.parameter(message, frame.payload);
+                return Ok(());
+            }
+            "STATUSTEXT" => {
+                self.text(message, frame.payload, time_us.unwrap_or(f64::NAN));
+                return Ok(());
+            }
             "HEARTBEAT" if self.vehicle.is_some_and(|(_, component)| component == frame.component) => {
                 let value = |name: &str| message.field(name).and_then(|field| field.value(frame.payload, 0));
                 self.autopilot = self.autopilot.or_else(|| value("autopilot"));
