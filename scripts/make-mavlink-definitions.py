@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes crates/phugoid-live/src/mavlink/messages.txt: every message of MAVLink's `ardupilotmega` dialect (which contains
+"""Writes crates/phugoid-flight-data/src/mavlink/messages.txt: every message of MAVLink's `ardupilotmega` dialect (which contains
 `common`), from pymavlink's generated definitions. Run: pip install pymavlink==2.4.50; scripts/make-mavlink-definitions.py"""
 import pathlib
 import warnings
@@ -20,5 +20,5 @@ for number, message in sorted(ardupilotmega.mavlink_map.items()):
         count = message.array_lengths[message.ordered_fieldnames.index(name)]
         fields.append(f"{name}:{kind}:{count}:{message.fieldunits_by_name.get(name, '')}")
     lines.append(" ".join([str(number), message.msgname, str(message.crc_extra), *fields]))
-target = pathlib.Path(__file__).parent.parent / "crates/phugoid-live/src/mavlink/messages.txt"
+target = pathlib.Path(__file__).parent.parent / "crates/phugoid-flight-data/src/mavlink/messages.txt"
 target.write_text("\n".join(lines) + "\n")

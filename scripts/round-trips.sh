@@ -1,7 +1,7 @@
 #!/bin/sh
 # Round trips against the formats' own tools: what they write or read has to give the same numbers here.
-# ULog, DataFlash, MAVLink, the export to JSBSim; Parquet, Arrow, MATLAB, MCAP and workbooks of Excel, whose libraries are off by
-# default.
+# ULog, DataFlash, MAVLink, telemetry logs, the export to JSBSim; Parquet, Arrow, MATLAB, MCAP and workbooks of Excel, whose libraries
+# are off by default.
 # Every script tests/python/round_trip_*.py is run with the environment of scripts/python-tools.sh; it finds the binaries that
 # it needs in the folder of $PHUGOID_EXAMPLES and the shared data, if there are any, in $PHUGOID_SHARED_DATA.
 set -eu
@@ -24,7 +24,7 @@ round_trip() {
 
 # With the features of the tests, so that nothing is built twice.
 cargo build --quiet --locked --workspace --examples
-round_trip debug ulog dataflash mavlink jsbsim
+round_trip debug ulog dataflash mavlink tlog jsbsim
 
 features=phugoid-flight-data/matlab,phugoid-flight-data/mcap,phugoid-identification/excel,phugoid-identification/parquet
 cargo build --quiet --locked --profile quick -p phugoid-flight-data -p phugoid-identification --features "$features" \

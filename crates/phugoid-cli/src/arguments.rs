@@ -9,6 +9,7 @@ mod campaign;
 mod check;
 mod compare;
 mod compatibility;
+mod completions;
 mod delivery;
 mod design;
 mod estimate;
@@ -43,6 +44,7 @@ pub(crate) use campaign::Campaign;
 pub(crate) use check::Check;
 pub(crate) use compare::Compare;
 pub(crate) use compatibility::{Compatibility, SensorGroup};
+pub(crate) use completions::{Completions, Man};
 pub(crate) use delivery::PictureFormat;
 pub(crate) use design::{Design, InputKind, SurfaceName};
 pub(crate) use estimate::{AxesForm, Estimate, Export, ExportForm, Truth};
@@ -63,8 +65,10 @@ pub(crate) use trim::Trim;
 pub(crate) use tune::{Tune, TunedMethod};
 pub(crate) use view::View;
 
+pub(crate) use help::EXIT_CODES;
+
 use help::examples_and_exit_codes;
-use method::method;
+use method::causal_method;
 
 /// Estimates an aircraft's aerodynamic coefficients from a flight, in real time or afterwards.
 ///
@@ -109,6 +113,8 @@ pub(crate) enum Command {
     Compatibility(Compatibility),
     View(View),
     Live(live::Live),
+    Completions(Completions),
+    Man(Man),
 }
 
 /// Options of `phugoid` without a command: the demonstration flight.
@@ -118,7 +124,7 @@ pub(crate) struct Demonstration {
     #[arg(long, value_name = "NUMBER")]
     pub(crate) seed: Option<u64>,
     /// Estimator [default: the one that the model file names, smpe]
-    #[arg(long, value_parser = method())]
+    #[arg(long, value_parser = causal_method())]
     pub(crate) method: Option<Method>,
     /// Folder for the report [default: phugoid-report]
     #[arg(long, value_name = "DIR")]

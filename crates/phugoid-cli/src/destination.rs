@@ -279,6 +279,8 @@ impl Plan {
                 plan.file("--out", a.out.as_ref());
                 plan.file("--record", a.record.as_ref());
             }
+            // Nothing is read, and the pages look at what they would replace themselves.
+            Some(Command::Completions(_) | Command::Man(_)) => {}
         }
         plan
     }

@@ -56,6 +56,8 @@ fn main() -> ExitCode {
         Some(Command::Compatibility(arguments)) => commands::compatibility::run(arguments),
         Some(Command::View(arguments)) => commands::view::run(arguments),
         Some(Command::Live(arguments)) => commands::live::run(arguments),
+        Some(Command::Completions(arguments)) => commands::completions::completions(arguments),
+        Some(Command::Man(arguments)) => commands::completions::man(arguments),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -12,12 +12,17 @@
 
 use std::io::{self, Cursor, Read};
 
+use crate::mavlink;
+
 /// The first bytes of a ULog file.
 pub(crate) const ULOG_MAGIC: [u8; 7] = [b'U', b'L', b'o', b'g', 0x01, 0x12, 0x35];
 /// The first bytes of every message of a DataFlash log, and so of the file.
 pub(crate) const DATAFLASH_MAGIC: [u8; 2] = [0xA3, 0x95];
 /// The first bytes of an MCAP file.
 pub(crate) const MCAP_MAGIC: [u8; 8] = *b"\x89MCAP0\r\n";
+
+/// Where the first frame of a telemetry log begins: its stamp stands before it.
+const TLOG_FRAME: usize = 8;
 
 /// Number of bytes that are enough to recognise every format.
 const SNIFFED: usize = 64;
@@ -34,6 +39,8 @@ pub enum Format {
     DataFlash,
     /// An ArduPilot DataFlash log converted to text (`.log`); not read.
     DataFlashText,
+    /// A telemetry log of a ground station (`.tlog`): frames of MAVLink, each after the time at which it came.
+    Tlog,
     /// MCAP, a container of messages; read with the feature `mcap`.
     Mcap,
     /// Apache Parquet, a table; read with the feature `parquet`.
@@ -60,6 +67,8 @@ impl Format {
         match start {
             _ if is(&ULOG_MAGIC) => Format::Ulog,
             _ if is(&DATAFLASH_MAGIC) => Format::DataFlash,
+            // The first byte of the time is zero for some thousand years to come, and text has no such byte.
+            [0, ..] if mavlink::frame::length(start.get(TLOG_FRAME..).unwrap_or_default()).is_some() => Format::Tlog,
             _ if is(b"FMT, 128,") => Format::DataFlashText,
             _ if is(&MCAP_MAGIC) => Format::Mcap,
             _ if is(b"PAR1") => Format::Parquet,
@@ -86,7 +95,8 @@ impl Format {
 
     /// True if it is a log of an autopilot or a recorder (not a table) and this build reads it.
     pub(crate) fn is_log(self) -> bool {
-        matches!(self, Format::Ulog | Format::DataFlash) || (cfg!(feature = "mcap") && self == Format::Mcap)
+        matches!(self, Format::Ulog | Format::DataFlash | Format::Tlog)
+            || (cfg!(feature = "mcap") && self == Format::Mcap)
     }
 
     /// The cargo feature that this format needs, of this crate and of the command line; `None` if it needs none or is
@@ -109,6 +119,7 @@ impl Format {
             Format::Ulog => "a PX4 log (ULog)",
             Format::DataFlash => "an ArduPilot DataFlash log",
             Format::DataFlashText => "an ArduPilot DataFlash log converted to text",
+            Format::Tlog => "a MAVLink telemetry log (.tlog)",
             Format::Mcap => "an MCAP file",
             Format::Parquet => "a Parquet file",
             Format::Arrow => "an Arrow or Feather file",
@@ -135,6 +146,9 @@ mod tests {
         for (start, format) in [
             (&b"ULog\x01\x12\x35\x01"[..], Format::Ulog),
             (b"\xA3\x95\x80\x80\x59FMT", Format::DataFlash),
+            (b"\0\x06\x28\x42\x11\x22\x33\x44\xFD\x09\x00\x00", Format::Tlog),
+            (b"\0\x06\x28\x42\x11\x22\x33\x44\xFE\x09", Format::Tlog),
+            (b"\0\x06\x28\x42\x11\x22\x33\x44\xFD\x09\x80", Format::Csv), // flags that nobody knows
             (b"PAR1....", Format::Parquet),
             (b"time_s,alpha_deg\n", Format::Csv),
             (b"", Format::Csv),

@@ -11,6 +11,7 @@
 //! | `matlab`, `parquet`, `arrow` | these formats, under the features of the table above |
 //! | [`table`] | makes a record of columns in memory; mappings of columns to channels |
 //! | [`profile`] | which fields of a log are which channels |
+//! | [`mavlink`] | frames and messages of MAVLink |
 //! | [`align`] | puts signals of different rates on one time base, causally, for logs and live streams |
 //! | [`quality`] | the report on what a reader found |
 //! | [`deletion`] | deletion of values that are known to be bad, each with its reason |
@@ -35,6 +36,7 @@ pub mod format;
 pub mod log;
 #[cfg(feature = "matlab")]
 pub mod matlab;
+pub mod mavlink;
 pub mod memory;
 pub mod output_file;
 #[cfg(feature = "parquet")]

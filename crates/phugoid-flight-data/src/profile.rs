@@ -69,6 +69,8 @@ pub enum SurfaceRule {
     /// ArduPilot: the commands are pulse widths `RCOU.Ci`, microseconds, and the parameters `SERVOi_FUNCTION`, `_MIN`,
     /// `_TRIM`, `_MAX` and `_REVERSED` assign surfaces and ranges.
     Ardupilot,
+    /// The same in a telemetry log: pulse widths `SERVO_OUTPUT_RAW.servoi_raw`, microseconds.
+    Telemetry,
 }
 
 /// A command that is made of the commands of several surfaces: the elevator of an aircraft with elevons.
@@ -145,6 +147,9 @@ pub enum Factor {
     Density(FieldName),
 }
 
+/// Longest name of a `NAMED_VALUE_FLOAT`, bytes.
+const NAME_IN_MAVLINK: usize = 10;
+
 impl Profile {
     /// The built-in profile of PX4 logs (ULog), fixed wing.
     ///
@@ -168,6 +173,43 @@ impl Profile {
     /// As [`Profile::px4`].
     pub fn mavlink() -> Result<Self, ProfileError> {
         Self::parse("mavlink.toml", include_str!("../profiles/mavlink.toml"))
+    }
+
+    /// The built-in profile of telemetry logs (`.tlog`): that of MAVLink streams, values under the names of channels
+    /// (`NAMED_VALUE_FLOAT`, in SI) before it as there, and commands of surfaces from the pulse widths of the servos.
+    ///
+    /// # Errors
+    /// As [`Profile::px4`].
+    pub fn telemetry_log() -> Result<Self, ProfileError> {
+        let mut profile = Self::mavlink()?;
+        profile.surfaces = Some(SurfaceRule::Telemetry);
+        profile.mixed = Self::ardupilot()?.mixed;
+        for spec in channels::CHANNELS.iter().filter(|spec| spec.name != "time") {
+            // A name that means several channels gives the likeliest one.
+            let names = std::iter::once(&spec.name).chain(spec.synonyms);
+            let own =
+                names.filter(|name| channels::by_any_name(name).first().is_some_and(|first| first.name == spec.name));
+            let named = own.filter(|name| name.len() <= NAME_IN_MAVLINK).map(|name| Source {
+                field: FieldName { topic: "NAMED_VALUE_FLOAT".into(), instance: None, field: (*name).to_owned() },
+                unit: Some(spec.quantity.si_unit().to_owned()).filter(|unit| !unit.is_empty()),
+                scale: 1.0,
+                transform: Transform::None,
+                factor: None,
+                note: None,
+            });
+            let named: Vec<Source> = named.collect();
+            match profile.channels.iter_mut().find(|entry| entry.channel == spec.name) {
+                Some(entry) => entry.sources.splice(..0, named).for_each(drop),
+                None if named.is_empty() => {}
+                None => profile.channels.push(ChannelProfile {
+                    channel: spec.name.to_owned(),
+                    hold: Hold::Sampled,
+                    sources: named,
+                }),
+            }
+        }
+        profile.channels.sort_by_key(|entry| channels::CHANNELS.iter().position(|spec| spec.name == entry.channel));
+        Ok(profile)
     }
 
     /// Reads a profile from the text of a TOML file. `name` is the name of the file in messages.

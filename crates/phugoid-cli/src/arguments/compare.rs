@@ -13,7 +13,7 @@ use super::help::examples_and_exit_codes;
 #[command(after_help = examples_and_exit_codes(
     "  phugoid compare                                    all scenarios; writes phugoid-comparison/
   phugoid compare --quick                            four flights each, for a first look
-  phugoid compare calm everything --seeds 100        two scenarios, with smaller statistical errors
+  phugoid compare calm everything --seeds 100        two scenarios, smaller statistical errors
   phugoid compare my.toml --model jet.toml --methods smpe,ekf
   phugoid compare --list                             names of the scenarios and methods
 
@@ -27,7 +27,7 @@ pub(crate) struct Compare {
     /// Model that the methods use in scenarios that name no model: a model file, or the name of a built-in one
     #[arg(long, value_name = "AIRCRAFT.toml")]
     pub(crate) model: Option<String>,
-    /// Methods, separated by commas; the others are compared with the first one [default: all]
+    /// Methods, separated by commas; the others are compared with the first one. --list names them [default: all]
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     pub(crate) methods: Vec<String>,
     /// Flights per scenario, each with its own noise, gusts and pilot input [default: 20]

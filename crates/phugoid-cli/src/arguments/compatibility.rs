@@ -7,7 +7,7 @@ use phugoid_identification::compatibility::HeldError;
 use phugoid_simulation::quantity::Length;
 
 use super::help::examples_and_exit_codes;
-use super::reading::{Deleting, Reading};
+use super::reading::{Deleting, Reading, flight};
 
 /// Checks a flight for kinematic consistency and estimates the errors of its sensors
 ///
@@ -27,11 +27,11 @@ use super::reading::{Deleting, Reading};
   phugoid estimate flight.csv --model jet.toml --correct phugoid-compatibility/corrections.json"
 ))]
 pub(crate) struct Compatibility {
-    /// The flight, a CSV file with units in its headers
-    #[arg(value_name = "FLIGHT.csv")]
+    /// The flight.
+    #[arg(value_name = "FLIGHT", help = flight())]
     pub(crate) flight: PathBuf,
     /// A further flight of the same installation: the errors of the sensors are the same in all; may be repeated
-    #[arg(long, value_name = "FLIGHT.csv")]
+    #[arg(long, value_name = "FLIGHT")]
     pub(crate) with: Vec<PathBuf>,
     /// Model file, or the name of a built-in one; only its column names are used, and its acceleration of gravity where
     /// that is not 9.80665 m/s^2

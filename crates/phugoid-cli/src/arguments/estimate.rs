@@ -10,7 +10,7 @@ use phugoid_simulation::quantity::Time;
 
 use super::help::examples_and_exit_codes;
 use super::method::method;
-use super::reading::{Deleting, Reading};
+use super::reading::{Deleting, Reading, flight};
 
 /// Estimates the coefficients of an aircraft from a recorded flight
 #[derive(Debug, Args)]
@@ -26,8 +26,8 @@ use super::reading::{Deleting, Reading};
   phugoid estimate --list-models                   the model files that are built in"
 ))]
 pub(crate) struct Estimate {
-    /// The flight, a CSV file with units in its headers (alpha_deg, tas_kt, ...)
-    #[arg(value_name = "FLIGHT.csv", required_unless_present_any = ["list_models", "show_model", "show_uncertainty"])]
+    /// The flight.
+    #[arg(value_name = "FLIGHT", help = flight(), required_unless_present_any = ["list_models", "show_model", "show_uncertainty"])]
     pub(crate) flight: Option<PathBuf>,
     /// The aircraft: a model file, or the name of a built-in one
     #[arg(long, value_name = "AIRCRAFT.toml", required_unless_present_any = ["list_models", "show_model"])]
@@ -36,10 +36,10 @@ pub(crate) struct Estimate {
     #[arg(long, value_parser = method())]
     pub(crate) method: Option<Method>,
     /// Another flight of the same aircraft, fitted together with the first by a batch method; may be repeated
-    #[arg(long, value_name = "FLIGHT.csv")]
+    #[arg(long, value_name = "FLIGHT")]
     pub(crate) with: Vec<PathBuf>,
     /// A flight to test the result on: its outputs are predicted with the parameters that a batch method has estimated
-    #[arg(long, value_name = "FLIGHT.csv")]
+    #[arg(long, value_name = "FLIGHT")]
     pub(crate) predict: Option<PathBuf>,
     /// Let a batch method take all noise for Gaussian, so that an outlier counts with the square of its residual. Without
     /// this a value counts the less the further from the model it is, or is left out where it stands alone

@@ -8,13 +8,13 @@ use phugoid_identification::method::Method;
 use phugoid_recovery::flight::Control;
 
 use super::help::examples_and_exit_codes;
-use super::method::method;
+use super::method::causal_method;
 
 /// Flies a damaged aircraft in closed loop: identified in flight, with gains from the estimate and its bounds
 #[derive(Debug, Args)]
 #[command(after_help = examples_and_exit_codes(
-    "  phugoid fly f16-recovery                         the built-in damage, adaptive control, a page in phugoid-fly/
-  phugoid fly f16-recovery --control fixed         the same damage with the gains of the undamaged aircraft
+    "  phugoid fly f16-recovery                         the built-in damage; writes phugoid-fly/
+  phugoid fly f16-recovery --control fixed         with the gains of the undamaged aircraft
   phugoid fly mine.toml --model mine-model.toml --json
   phugoid study recovery --runs 1000               random damages with every control"
 ))]
@@ -32,7 +32,7 @@ pub(crate) struct Fly {
     #[arg(long, default_value = "f16-recovery-model")]
     pub(crate) model: String,
     /// Estimator of the adaptive control [default: ekf]
-    #[arg(long, value_parser = method())]
+    #[arg(long, value_parser = causal_method())]
     pub(crate) method: Option<Method>,
     /// Add nothing to the pilot's input, however wide the bounds are
     #[arg(long)]

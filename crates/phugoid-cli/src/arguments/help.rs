@@ -1,14 +1,16 @@
 //! The text below every help page.
 
-const EXIT_CODES: &str = "\
+pub(crate) const EXIT_CODES: &str = "\
 Exit codes:
   0  done
-  1  the task has no answer (no such trim, a case that cannot be run), or `phugoid estimate` refuses its result, which is
-     printed and written all the same, or `phugoid check` found a value that is not within its tolerance
+  1  the task has no answer (no such trim, a case that cannot be run), or `phugoid estimate` refuses
+     its result, which is printed and written all the same, or `phugoid check` found a value that is
+     not within its tolerance
   2  wrong command line
   3  an input (file, name, budget) is unknown, cannot be read or is wrong
   4  a result cannot be written
-  5  the flight holds nothing that could be estimated: too few samples, nothing that moves, parameters that do nothing
+  5  the flight holds nothing that could be estimated: too few samples, nothing that moves,
+     parameters that do nothing
   6  the search of a batch method did not converge
  10  `phugoid monitor`: the aircraft has diverged from what is expected";
 

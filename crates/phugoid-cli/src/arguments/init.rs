@@ -7,7 +7,7 @@ use phugoid_flight_data::quantity::Dimension;
 use phugoid_identification::draft::{AircraftClass, Answers, DraftedAxes};
 
 use super::help::examples_and_exit_codes;
-use super::reading::Reading;
+use super::reading::{Reading, flight};
 
 /// Begins a model file for the aircraft of a flight
 ///
@@ -17,14 +17,14 @@ use super::reading::Reading;
 #[derive(Debug, Args)]
 #[command(after_help = examples_and_exit_codes(
     "  phugoid init flight.csv --out mine.toml          asks for mass, wing and what else is not known
-  phugoid init flight.csv --class drone --mass 2.1kg --wing-area 0.45m^2 --wing-span 1.8m > mine.toml
-  phugoid init flight.csv --class transport --mass 7472kg --iyy 91388kg*m^2 --wing-area 30.1m^2 --wing-span 14.5m \\
-               --mean-chord 2.43m --out jet.toml
+  phugoid init flight.csv --class drone --mass 2.1kg --wing-area 0.45m^2 --wing-span 1.8m > my.toml
+  phugoid init flight.csv --class transport --mass 7472kg --iyy 91388kg*m^2 \\
+               --wing-area 30.1m^2 --wing-span 14.5m --mean-chord 2.43m --out jet.toml
   phugoid estimate flight.csv --model mine.toml    what comes next"
 ))]
 pub(crate) struct Init {
-    /// The flight: a table (CSV with units in its headers), or a log of PX4 (ULog) or ArduPilot (DataFlash)
-    #[arg(value_name = "FLIGHT")]
+    /// The flight.
+    #[arg(value_name = "FLIGHT", help = flight())]
     pub(crate) flight: PathBuf,
     #[command(flatten)]
     pub(crate) aircraft: AircraftAnswers,

@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::delivery::Delivery;
 use super::help::examples_and_exit_codes;
-use super::reading::{Deleting, Reading};
+use super::reading::{Deleting, Reading, flight};
 
 /// Lists what a flight contains: channels, gaps, doubtful units and signs, manoeuvres, and which derivatives can be
 /// estimated
@@ -20,12 +20,12 @@ use super::reading::{Deleting, Reading};
     "  phugoid inspect flight.csv
   phugoid inspect flight.csv --model jet.toml      what the flight lacks for this model
   phugoid inspect yesterday.ulg                    a log: its topics and rates, then the flight
-  phugoid inspect flight.csv --figures figures     the coherence of inputs and outputs over frequency
+  phugoid inspect flight.csv --figures figures     the coherence of surfaces and outputs
   phugoid inspect flight.csv --json --out flight.json"
 ))]
 pub(crate) struct Inspect {
-    /// The flight: a table (CSV with units in its headers), or a log of PX4 (ULog) or ArduPilot (DataFlash)
-    #[arg(value_name = "FLIGHT")]
+    /// The flight.
+    #[arg(value_name = "FLIGHT", help = flight())]
     pub(crate) flight: PathBuf,
     /// The aircraft: a model file, or the name of a built-in one. Without it, the flight is checked against every
     /// built-in one

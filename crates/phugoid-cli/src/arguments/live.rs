@@ -8,7 +8,7 @@ use phugoid_identification::method::Method;
 use phugoid_live::source::{SenderSpec, SourceSpec};
 
 use super::help::examples_and_exit_codes;
-use super::method::method;
+use super::method::causal_method;
 use super::reading::Reading;
 
 /// Estimates while the aircraft flies, from telemetry, or replays a recorded flight in the same way
@@ -37,7 +37,7 @@ pub(crate) struct Live {
     #[arg(long, value_name = "AIRCRAFT.toml", required_unless_present = "replay")]
     pub(crate) model: Option<String>,
     /// Estimator [default: the one that the model file names, or smpe]
-    #[arg(long, value_parser = method())]
+    #[arg(long, value_parser = causal_method())]
     pub(crate) method: Option<Method>,
     /// Do not look for sudden changes of the coefficients
     #[arg(long)]

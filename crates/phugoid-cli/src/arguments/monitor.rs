@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::help::examples_and_exit_codes;
-use super::reading::{Deleting, Reading};
+use super::reading::{Deleting, Reading, flight};
 
 /// Checks in a recorded flight whether the coefficients leave their expected ranges: an alarm with a stated false-alarm
 /// rate, the onset time of the failure, and the coefficient that changed
@@ -13,12 +13,12 @@ use super::reading::{Deleting, Reading};
 #[command(after_help = examples_and_exit_codes(
     "  phugoid simulate f16-failure --out flight
   phugoid monitor flight/measured.csv --model f16-health-model
-  phugoid monitor flight.csv --model jet.toml --expected jet-expected.toml --false-alarms-per-hour 0.001
+  phugoid monitor flight.csv --model jet.toml --expected healthy.toml --false-alarms-per-hour 0.001
   phugoid monitor flight.csv --model jet.toml --json --out health"
 ))]
 pub(crate) struct Monitor {
-    /// The flight, a CSV file with units in its headers (alpha_deg, tas_kt, ...)
-    #[arg(value_name = "FLIGHT.csv")]
+    /// The flight.
+    #[arg(value_name = "FLIGHT", help = flight())]
     pub(crate) flight: PathBuf,
     /// The aircraft: a model file, or the name of a built-in one. Its table `expected` gives the healthy coefficients;
     /// without this table, healthy is within a tenth of the start values

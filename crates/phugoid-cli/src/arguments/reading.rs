@@ -8,6 +8,19 @@ use phugoid_flight_data::memory::Memory;
 use phugoid_flight_data::reader::ReadOptions;
 use phugoid_simulation::quantity::Time;
 
+/// The help text of a flight that is read: the formats that this build knows by their content.
+pub(super) fn flight() -> String {
+    let excel = if cfg!(feature = "excel") { ", Excel" } else { "" };
+    let gzip = if cfg!(feature = "gzip") { ", .csv.gz" } else { "" };
+    let matlab = if cfg!(feature = "matlab") { ", MATLAB" } else { "" };
+    let parquet = if cfg!(feature = "parquet") { ", Parquet, Arrow" } else { "" };
+    let mcap = if cfg!(feature = "mcap") { ", or MCAP" } else { "" };
+    format!(
+        "The flight: a table with units in its headers such as alpha_deg (CSV{gzip}{matlab}{excel}{parquet}), or a log of \
+         PX4 (ULog), ArduPilot (DataFlash) or a ground station (.tlog){mcap}; - reads standard input"
+    )
+}
+
 /// How flights are read.
 #[derive(Debug, Args)]
 pub(crate) struct Reading {

@@ -9,7 +9,7 @@ use phugoid_simulation::quantity::Time;
 
 use super::delivery::Delivery;
 use super::help::examples_and_exit_codes;
-use super::reading::{Deleting, Reading};
+use super::reading::{Deleting, Reading, flight};
 
 /// Selects the terms of a coefficient from a recorded flight: multivariate orthogonal functions or modified stepwise
 /// regression
@@ -22,12 +22,13 @@ use super::reading::{Deleting, Reading};
 #[command(after_help = examples_and_exit_codes(
     "  phugoid regress flight.csv --model jet.toml --coefficient Cm
   phugoid regress flight.csv --model jet.toml --coefficient Cm --up-to 3 --criterion press
-  phugoid regress flight.csv --model jet.toml --coefficient CD --candidates 'alpha, alpha^2, |elevator|, alpha*elevator'
+  phugoid regress flight.csv --model jet.toml --coefficient CD \\
+                  --candidates 'alpha, alpha^2, |elevator|, alpha*elevator'
   phugoid regress flight.csv --model jet.toml --coefficient CL --segment 2 --json"
 ))]
 pub(crate) struct Regress {
-    /// The flight: a table (CSV with units in its headers), or a log of PX4 (ULog) or ArduPilot (DataFlash)
-    #[arg(value_name = "FLIGHT")]
+    /// The flight.
+    #[arg(value_name = "FLIGHT", help = flight())]
     pub(crate) flight: PathBuf,
     /// The aircraft: a model file, or the name of a built-in one
     #[arg(long, value_name = "AIRCRAFT.toml")]

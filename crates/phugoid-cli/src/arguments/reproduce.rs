@@ -17,8 +17,8 @@ use super::help::examples_and_exit_codes;
   phugoid reproduce first-order noise/2 --json     a group and a case, as JSON
   phugoid reproduce my-case.toml --figures svg     a case file of your own
 
-A requirement that is not met is reported as a result: the exit code stays 0. If a case cannot be run, the others are
-still reported, and the exit code is 1."
+A requirement that is not met is reported as a result: the exit code stays 0. If a case cannot be run,
+the others are still reported, and the exit code is 1."
 ))]
 pub(crate) struct Reproduce {
     /// Cases to run: the id of a case, the name of a group, or a case file of your own [default: all cases]

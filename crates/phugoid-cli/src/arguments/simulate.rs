@@ -9,7 +9,7 @@ use super::help::examples_and_exit_codes;
 /// Simulates a flight and writes the measured signals and the true ones
 #[derive(Debug, Args)]
 #[command(after_help = examples_and_exit_codes(
-    "  phugoid simulate f16-damage                      a built-in scenario (see `phugoid simulate --list`)
+    "  phugoid simulate f16-damage                      a built-in scenario (see --list)
   phugoid simulate my-flight.toml --out flights    writes flights/measured.csv and flights/truth.csv
   phugoid simulate f16-calm --show > mine.toml     a scenario to start from"
 ))]

@@ -6,6 +6,7 @@ pub(crate) mod campaign;
 pub(crate) mod check;
 pub(crate) mod compare;
 pub(crate) mod compatibility;
+pub(crate) mod completions;
 mod deleting;
 pub(crate) mod demonstrate;
 pub(crate) mod design;

@@ -17,6 +17,7 @@ mod destinations;
 mod field;
 mod fleet;
 mod fly;
+mod help;
 mod init;
 mod inspect;
 mod live;

@@ -7,6 +7,9 @@ use super::result::{EntryResult, MethodResult};
 /// Accuracies within this part of the best one count as equal to it.
 const TIE: f64 = 0.05;
 
+/// With fewer flights of a scenario nothing is said for the bounds of a method: not even a coverage of 80 % would show.
+const ENOUGH_FLIGHTS: usize = 20;
+
 /// Coverage, in promise 95 %, below which bounds are not to be trusted.
 const LEAST_COVERAGE: f64 = 0.9;
 
@@ -39,18 +42,32 @@ impl Findings {
     pub(super) fn of(methods: &[String], entries: &[EntryResult]) -> Self {
         let best: Vec<Best> =
             entries.iter().map(|entry| Best { entry: entry.id.clone(), methods: leaders(entry) }).collect();
+        let flights = entries.iter().map(|entry| entry.flights).min().unwrap_or(0);
         let rule = format!(
             "Best is the smallest error after the last checkpoint (geometric mean over the parameters of root mean square \
              error over the bound), among methods that failed in no flight, claim bounds, and whose coverage after the first \
-             cycle is not significantly below {:.0} %; errors within {:.0} % of it count as equal.",
+             cycle is not significantly below {:.0} %; errors within {:.0} % of it count as equal. A root mean square of {flights} \
+             errors is itself uncertain by {:.0} %.{}",
             100.0 * LEAST_COVERAGE,
-            100.0 * TIE
+            100.0 * TIE,
+            // One standard error, of Gaussian errors.
+            100.0 / (2.0 * flights.max(1) as f64).sqrt(),
+            if flights < ENOUGH_FLIGHTS { " With so few flights all of this is a first look." } else { "" }
         );
         Self {
             rule,
             methods: methods.iter().enumerate().map(|(m, name)| of_method(m, name, entries, &best)).collect(),
             ours_loses: entries.iter().filter_map(ours_loses).collect(),
             best,
+        }
+    }
+
+    /// What is to be said where the first method is beaten in no entry: of so many flights in each.
+    pub fn loses_nowhere(flights: usize) -> String {
+        if flights < ENOUGH_FLIGHTS {
+            format!("nothing shows in {flights} flights of each scenario, which are too few to tell")
+        } else {
+            format!("nowhere, as far as {flights} flights of each scenario can tell")
         }
     }
 }
@@ -98,12 +115,13 @@ fn of_method(m: usize, name: &str, entries: &[EntryResult], best: &[Best]) -> St
             Some(format!("{} ({why})", entry.id))
         })
         .collect();
+    let flights = entries.iter().map(|entry| entry.flights).min().unwrap_or(0);
     let mut sentence = match wins.as_slice() {
-        [] => format!("`{name}`: best in none of {} scenarios", entries.len()),
+        [] => format!("`{name}`: best in none of {} scenarios ({flights} flights each)", entries.len()),
         wins => {
             let alone = if alone > 0 { format!(", alone in {alone}") } else { String::new() };
             format!(
-                "`{name}`: best or equal in {} of {} scenarios{alone}: {}",
+                "`{name}`: best or equal in {} of {} scenarios ({flights} flights each){alone}: {}",
                 wins.len(),
                 entries.len(),
                 wins.join(", ")
@@ -114,7 +132,11 @@ fn of_method(m: usize, name: &str, entries: &[EntryResult], best: &[Best]) -> St
         // It does so everywhere but where it has not begun.
         sentence.push_str("; claims no bounds, and cannot win.");
     } else if distrusted.is_empty() {
-        sentence.push_str("; can be trusted in all.");
+        sentence.push_str(&if flights < ENOUGH_FLIGHTS {
+            format!("; nothing speaks against its bounds in {flights} flights, which are too few to trust them on.")
+        } else {
+            format!("; its bounds hold in all, as far as {flights} flights of each can tell.")
+        });
     } else {
         sentence.push_str(&format!("; not to be trusted in {}: {}.", distrusted.len(), distrusted.join(", ")));
     }
@@ -184,5 +206,43 @@ fn number(value: f64) -> String {
         v if v < 10.0 => format!("{v:.2}"),
         v if v < 1000.0 => format!("{v:.0}"),
         v => format!("{v:.1e}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::result::Unit;
+    use super::*;
+
+    /// Three flights in which nothing went wrong are no reason to trust a method.
+    #[test]
+    fn few_flights_are_said_to_be_few_and_nothing_is_trusted_on_them() {
+        let of = |flights: usize| {
+            let entry = EntryResult {
+                id: "calm".into(),
+                title: String::new(),
+                shows: String::new(),
+                flights,
+                duration_s: 20.0,
+                cycle_s: 4.0,
+                counted_from_s: 0.0,
+                damaged: false,
+                unit: Unit::CramerRao,
+                methods: Vec::new(),
+            };
+            let findings = Findings::of(&["smpe".to_owned()], &[entry]);
+            (findings.methods.concat(), findings.rule, Findings::loses_nowhere(flights))
+        };
+        let (sentence, rule, nowhere) = of(3);
+        assert!(sentence.contains("3 flights, which are too few to trust them on"), "{sentence}");
+        assert!(rule.contains("uncertain by 41 %") && rule.contains("a first look"), "{rule}");
+        assert!(!nowhere.contains("nowhere") && nowhere.contains("3 flights"), "{nowhere}");
+        let (sentence, rule, nowhere) = of(200);
+        assert!(sentence.contains("hold in all, as far as 200 flights of each can tell"), "{sentence}");
+        assert!(rule.contains("uncertain by 5 %") && !rule.contains("first look"), "{rule}");
+        assert!(nowhere.contains("nowhere, as far as 200 flights"), "{nowhere}");
+        for text in [of(3).0, of(200).0] {
+            assert!(!text.contains("can be trusted"), "{text}");
+        }
     }
 }

@@ -28,6 +28,7 @@ mod skipped;
 pub mod survey;
 mod survey_and_tables;
 
+pub mod tlog;
 pub mod ulog;
 pub mod utc;
 mod window;

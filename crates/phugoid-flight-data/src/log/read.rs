@@ -9,7 +9,7 @@ use super::mcap;
 use super::sink::{Head, Sink, Stop, into_log};
 use super::survey::{Survey, into_survey};
 use super::survey_and_tables::SurveyAndTables;
-use super::{Log, LogError, Selection, dataflash, ulog};
+use super::{Log, LogError, Selection, dataflash, tlog, ulog};
 use crate::format::Format;
 use crate::memory::{Account, Followed, Memory};
 use crate::printable;
@@ -103,6 +103,7 @@ fn run<S: Sink>(
     match format {
         Format::Ulog => ulog::run(reader, source, sink, account),
         Format::DataFlash => dataflash::run(reader, source, sink),
+        Format::Tlog => tlog::run(reader, source, sink),
         #[cfg(feature = "mcap")]
         Format::Mcap => mcap::run(reader, source, sink, account),
         other => Err(no_log(source, other).into()),

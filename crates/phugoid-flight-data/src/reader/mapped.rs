@@ -3,9 +3,11 @@
 use super::signals::{self, Signal};
 use super::{FieldProblem, ReadError, surfaces};
 use crate::align::Hold;
-use crate::log::Log;
-use crate::profile::{FieldName, Profile, Source, Transform};
+use crate::channels;
+use crate::log::{Log, Topic};
+use crate::profile::{FieldName, Profile, Source, SurfaceRule, Transform};
 use crate::table::ColumnMapping;
+use crate::units::Quantity;
 
 /// Channels that change slowly or in steps: without an entry in the profile their last value is held.
 const LEVELS: &[&str] = &[
@@ -29,6 +31,21 @@ const LEVELS: &[&str] = &[
     "static_pressure",
 ];
 
+/// Servo pulses of telemetry are counted from this width, us, which is the neutral position.
+const NEUTRAL_US: f64 = 1500.0;
+
+/// Makes pulse widths that are mapped to another quantity count from the neutral one, as `phugoid live` does with the same
+/// mapping; what one microsecond is in SI is the factor of the mapping.
+fn count_from_neutral(signal: &mut Signal) {
+    let quantity = channels::by_name(&signal.channel).map(|spec| spec.quantity);
+    if let Some(quantity) =
+        quantity.filter(|quantity| *quantity != Quantity::Time && signal.unit.as_deref() == Some("us"))
+    {
+        signal.values.iter_mut().for_each(|value| *value -= NEUTRAL_US);
+        signal.unit = Some(quantity.si_unit().to_owned()).filter(|unit| !unit.is_empty());
+    }
+}
+
 /// The signal of a mapping of the caller.
 pub(super) fn mapped(
     log: &Log,
@@ -49,7 +66,10 @@ pub(super) fn mapped(
             header: header.to_owned(),
             problem: Box::new(problem),
         };
-        let signal = named(log, header, &mapping.channel, hold, commands).map_err(&fail)?;
+        let mut signal = named(log, header, &mapping.channel, hold, commands).map_err(&fail)?;
+        if mapping.unit.is_none() && profile.surfaces == Some(SurfaceRule::Telemetry) {
+            count_from_neutral(&mut signal);
+        }
         // The unit that the caller gives comes before that of the log.
         let signal = Signal { unit: mapping.unit.clone().or(signal.unit), ..signal };
         if let Some((first, _)) = found.first().filter(|(first, _): &&(Signal, f64)| first.unit != signal.unit) {
@@ -96,10 +116,17 @@ fn named(log: &Log, header: &str, channel: &str, hold: Hold, commands: &[Signal]
             false => FieldProblem::UnknownInstance { instances },
         });
     };
-    if topic.field(&field.field).is_none() {
-        let names: Vec<&str> = topic.fields.iter().map(|field| field.name.as_str()).collect();
-        let nearest = nearest(&field.field, names.iter().copied()).map(str::to_owned);
-        let fields = topic.fields.iter().map(|field| field.name.clone()).collect();
+    // Instances of a topic need not have the same fields.
+    let same =
+        |other: &&Topic| other.name == field.topic && field.instance.is_none_or(|instance| instance == other.instance);
+    let mut fields: Vec<String> = Vec::new();
+    for name in log.topics.iter().filter(same).flat_map(|topic| &topic.fields).map(|field| &field.name) {
+        if !fields.contains(name) {
+            fields.push(name.clone());
+        }
+    }
+    if !fields.contains(&field.field) {
+        let nearest = nearest(&field.field, fields.iter().map(String::as_str)).map(str::to_owned);
         return Err(FieldProblem::UnknownField { topic: topic.name.clone(), nearest, fields });
     }
     let source = Source { field, unit: None, scale: 1.0, transform: Transform::None, factor: None, note: None };

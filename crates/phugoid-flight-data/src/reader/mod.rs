@@ -48,8 +48,8 @@ use crate::record::Record;
 impl Record {
     /// Opens a flight of any format that this build reads, with the default options.
     ///
-    /// The format is known by the content of the file, not by its name: CSV, PX4 ULog and ArduPilot DataFlash, and
-    /// under features MATLAB 5, MCAP, Parquet and Arrow. Values are in SI units and radians, NaN where one is missing.
+    /// The format is known by the content of the file, not by its name: CSV, PX4 ULog, ArduPilot DataFlash and
+    /// telemetry logs (`.tlog`), and under features MATLAB 5, MCAP, Parquet and Arrow. Values are in SI units and radians, NaN where one is missing.
     /// For mappings of columns, a profile of one's own or other bounds use [`read_path`].
     ///
     /// ```
@@ -171,6 +171,7 @@ fn built_in(format: Format) -> Option<Result<Profile, ProfileError>> {
     match format {
         Format::Ulog => Some(Profile::px4()),
         Format::DataFlash => Some(Profile::ardupilot()),
+        Format::Tlog => Some(Profile::telemetry_log()),
         _ => None,
     }
 }

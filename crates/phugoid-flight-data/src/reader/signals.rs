@@ -43,8 +43,13 @@ pub(super) fn label(log: &Log, topic: &Topic) -> String {
 }
 
 fn field<'a>(log: &'a Log, name: &FieldName) -> Option<(&'a Topic, &'a Field)> {
-    let topic = topic(log, &name.topic, name.instance)?;
-    Some((topic, topic.field(&name.field)?))
+    // Without an instance, the lowest one that has the field: instances need not have the same.
+    let same = log
+        .topics
+        .iter()
+        .filter(|topic| topic.name == name.topic && name.instance.is_none_or(|instance| instance == topic.instance));
+    let with_field = same.filter_map(|topic| Some((topic, topic.field(&name.field)?)));
+    with_field.min_by_key(|(topic, _)| topic.instance)
 }
 
 /// Number of samples that a source would give; `None` if the log lacks one of its fields or has fewer than two samples.

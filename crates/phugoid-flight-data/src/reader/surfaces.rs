@@ -15,6 +15,7 @@ pub(super) fn topics(rule: SurfaceRule) -> &'static [&'static str] {
     match rule {
         SurfaceRule::Px4 => &["actuator_servos"],
         SurfaceRule::Ardupilot => &["RCOU"],
+        SurfaceRule::Telemetry => &["SERVO_OUTPUT_RAW"],
     }
 }
 
@@ -55,7 +56,8 @@ impl Pulse {
 pub(super) fn commands(log: &Log, rule: SurfaceRule, mixed: &[Mixture]) -> Vec<Signal> {
     let servos = match rule {
         SurfaceRule::Px4 => px4(log),
-        SurfaceRule::Ardupilot => ardupilot(log),
+        SurfaceRule::Ardupilot => ardupilot(log, |number| format!("C{number}")),
+        SurfaceRule::Telemetry => ardupilot(log, |number| format!("servo{number}_raw")),
     };
     let mut signals: Vec<Signal> = Vec::new();
     for servo in servos {
@@ -116,7 +118,7 @@ pub(super) fn report(
         if let Some(signal) = commands.iter().find(|signal| signal.channel == command) {
             let sign = match rule {
                 SurfaceRule::Px4 => "positive commands of PX4 raise the trailing edge (of a rudder: move it right)",
-                SurfaceRule::Ardupilot => "find out which way a positive command moves it",
+                SurfaceRule::Ardupilot | SurfaceRule::Telemetry => "find out which way a positive command moves it",
             };
             quality.warn(
                 surface,
@@ -179,6 +181,11 @@ fn unknown(log: &Log, surface: &str, rule: SurfaceRule) -> String {
         SurfaceRule::Ardupilot => format!(
             "not in the log: no parameter SERVOn_FUNCTION says that a servo moves the {surface}, or RCOU is not logged"
         ),
+        SurfaceRule::Telemetry => format!(
+            "not in the log: no parameter SERVOn_FUNCTION came (ground stations ask for them at the start) that says that a servo \
+             moves the {surface}, or SERVO_OUTPUT_RAW did not come. If you know the servo, map it: [channels] {surface} = \
+             {{ header = \"SERVO_OUTPUT_RAW.servo1_raw\", scale = RADIANS_PER_MICROSECOND }}, which counts from 1500 us"
+        ),
     }
 }
 
@@ -215,7 +222,8 @@ fn px4(log: &Log) -> Vec<Servo> {
 }
 
 /// Servos of ArduPilot (parameters `SERVOn_FUNCTION` and so on; ArduPlane, "Servo Functions").
-fn ardupilot(log: &Log) -> Vec<Servo> {
+/// `field` names the field of a servo's pulse width.
+fn ardupilot(log: &Log, field: impl Fn(usize) -> String) -> Vec<Servo> {
     let servo = |number: usize| {
         let function = format!("SERVO{number}_FUNCTION");
         let surface = match parameter(log, &function)? as i64 {
@@ -241,7 +249,7 @@ fn ardupilot(log: &Log) -> Vec<Servo> {
             reversed: of("REVERSED", 0.0) != 0.0,
         };
         let reason = format!("by {function} = {}", parameter(log, &function)?);
-        Some(Servo { surface, field: format!("C{number}"), reason, pulse: Some(pulse) })
+        Some(Servo { surface, field: field(number), reason, pulse: Some(pulse) })
     };
     (1..=16).filter_map(servo).collect()
 }

@@ -8,6 +8,7 @@ pub(crate) fn intact() -> Vec<(String, Vec<u8>)> {
     let mut files = vec![
         ("made.ulg".to_owned(), logs::ulog(30)),
         ("made.bin".to_owned(), logs::dataflash(60)),
+        ("made.tlog".to_owned(), logs::tlog(30)),
         ("flight.csv".to_owned(), std::fs::read(folder.join("examples/flight.csv")).unwrap()),
     ];
     for (format, read) in [

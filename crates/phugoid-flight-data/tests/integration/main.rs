@@ -1,7 +1,6 @@
 //! Every integration test of this crate in one program: each program more is linked with all libraries once more.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // tests may
 
-#[cfg(any(feature = "excel", feature = "matlab", feature = "mcap", feature = "parquet"))]
 #[path = "../common/damage.rs"]
 mod damage;
 #[cfg(target_os = "linux")]
@@ -32,5 +31,6 @@ mod memory;
 mod plausibility;
 mod properties;
 mod tables;
+mod tlog;
 mod ulog;
 mod units_document;

@@ -137,3 +137,67 @@ fn padded(text: &str, length: usize) -> Vec<u8> {
     bytes.resize(length, 0);
     bytes
 }
+
+/// When the first message of [`tlog`] came, us: 2023-11-14.
+pub(crate) const TLOG_START_US: u64 = 1_700_000_000_000_000;
+
+/// A telemetry log of an ArduPlane (system 1) and its ground station (system 255), `samples` of ATTITUDE 20 ms apart, which
+/// come with an uneven delay.
+pub(crate) fn tlog(samples: u32) -> Vec<u8> {
+    let vehicle = (1, 1);
+    let mut log = tlog_entry(TLOG_START_US, vehicle, "HEARTBEAT", &[("type", 1.0), ("autopilot", 3.0)], "");
+    let mut at = TLOG_START_US;
+    for sample in 0..samples {
+        let t = 0.02 * f64::from(sample);
+        let stamp = f64::from(5000 + 20 * sample);
+        at = at.max(TLOG_START_US + 20_000 * u64::from(sample) + u64::from(sample * 7 % 31) * 1000);
+        let mut add = |name: &str, numbers: &[(&str, f64)], text: &str| {
+            log.extend(tlog_entry(at, vehicle, name, numbers, text));
+        };
+        add("ATTITUDE", &[("time_boot_ms", stamp), ("pitch", 0.05 * t.sin()), ("pitchspeed", 0.05 * t.cos())], "");
+        for (name, value) in [("alpha", 0.07), ("my_vane", 2.0)] {
+            add("NAMED_VALUE_FLOAT", &[("time_boot_ms", stamp), ("value", value)], name);
+        }
+        add("SERVO_OUTPUT_RAW", &[("time_usec", 1000.0 * stamp), ("servo2_raw", 1600.0)], "");
+        add("VFR_HUD", &[("airspeed", 21.5), ("alt", 300.0)], "");
+        if sample == 0 {
+            add("PARAM_VALUE", &[("param_value", 19.0)], "SERVO2_FUNCTION");
+            add("STATUSTEXT", &[("severity", 6.0)], "ArduPlane V4.5.0");
+        }
+        if sample % 10 == 0 {
+            add("GLOBAL_POSITION_INT", &[("time_boot_ms", stamp), ("lat", 473_977_421.0)], "");
+        }
+        if sample % 5 == 0 {
+            log.extend(tlog_entry(at, (255, 190), "HEARTBEAT", &[("type", 6.0), ("autopilot", 8.0)], ""));
+        }
+    }
+    log
+}
+
+/// A message of a telemetry log: the time at which it came, us, and a frame of this system and component with these fields,
+/// the others zero, and this text in its field of characters.
+pub(crate) fn tlog_entry(
+    came_us: u64,
+    (system, component): (u8, u8),
+    name: &str,
+    numbers: &[(&str, f64)],
+    text: &str,
+) -> Vec<u8> {
+    use phugoid_flight_data::mavlink::definitions::{self, Kind};
+
+    let message = definitions::by_name(name).unwrap();
+    let mut payload = vec![0; message.length()];
+    for (field, value) in numbers {
+        let field = message.field(field).unwrap();
+        let bytes = match field.kind {
+            Kind::Float => (*value as f32).to_le_bytes().to_vec(),
+            _ => (*value as i64).to_le_bytes()[..field.kind.size()].to_vec(),
+        };
+        payload[field.offset..field.offset + bytes.len()].copy_from_slice(&bytes);
+    }
+    if let Some(field) = message.fields.iter().find(|field| field.kind == Kind::Character) {
+        payload[field.offset..field.offset + text.len()].copy_from_slice(text.as_bytes());
+    }
+    let frame = phugoid_flight_data::mavlink::frame::encode(message.id, 0, system, component, &payload).unwrap();
+    [&came_us.to_be_bytes()[..], &frame].concat()
+}

@@ -8,7 +8,7 @@ use super::filter::Levels;
 use super::gravity::Gravity;
 use super::kinematics::{BODY, CURVATURE, Inertial, OUTPUTS, SENSORS, STATES};
 use crate::core::error::EstimateError;
-use crate::preparation::noise::{measure_noise, without_outliers};
+use crate::preparation::noise::{measure_own_noise, without_outliers};
 use crate::preparation::prepare::channel;
 
 /// Channels of the outputs, in their order.
@@ -101,7 +101,7 @@ impl Flight {
                 inertial.push(vec![0.0; samples]);
                 continue;
             };
-            let noise = measure_noise(values).map_or(0.0, |n| n.std);
+            let noise = measure_own_noise(values).map_or(0.0, |n| n.std);
             inertial_noise[sensor] = noise;
             let clean = without_outliers(values, noise);
             let outliers = clean.iter().zip(values).filter(|(c, v)| c.is_nan() && v.is_finite()).count();

@@ -18,7 +18,7 @@ pub use model::{ModelSupport, ParameterSupport, SegmentSupport, model_support};
 
 use crate::manoeuvres::{CoefficientSupport, Found, Settings, Support, find};
 use crate::model_file::ModelFile;
-use crate::preparation::noise::measure_noise;
+use crate::preparation::noise::{measure_noise, measure_own_noise};
 
 /// The result of [`inspect`]: channels, data quality, manoeuvres, and what can be estimated from them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -192,7 +192,8 @@ fn survey(record: &Record, channel: &Channel) -> ChannelSurvey {
     let (time, mut values): (Vec<f64>, Vec<f64>) =
         record.time.iter().zip(&channel.values).filter(|(_, v)| v.is_finite()).map(|(t, v)| (*t, *v)).unzip();
     let span = time.last().zip(time.first()).map(|(last, first)| last - first).filter(|span| *span > 0.0);
-    let noise = measure_noise(&values);
+    // Of a slow channel that repeats its last value the rows say nothing of the noise.
+    let noise = measure_own_noise(&channel.values).or_else(|| measure_noise(&values));
     ChannelSurvey {
         name: channel.name.clone(),
         header: given.map(|g| g.header.clone()).unwrap_or_default(),

@@ -3,8 +3,8 @@
 use phugoid_flight_data::plausibility::{self, Certainty, Doubt};
 use phugoid_flight_data::record::Record;
 
-use super::noise::{NoiseLevel, measure_noise};
-use super::prepared::Prepared;
+use super::noise::{NoiseLevel, OwnSamples, measure_noise};
+use super::prepared::{FEWEST_SAMPLES, Prepared};
 use crate::core::error::EstimateError;
 use crate::model_file::ModelFile;
 use crate::motion::Motion;
@@ -27,7 +27,8 @@ pub(crate) fn doubts(record: &Record, model: &ModelFile) -> Result<Vec<Doubt>, E
     Ok(doubts)
 }
 
-/// One sigma of the noise per output: the model file's, else measured from the beginning of the record.
+/// One sigma of the noise per output: the model file's, else measured from the beginning of the record; of an
+/// instrument that is slower than the record, from its own samples.
 ///
 /// # Errors
 /// [`EstimateError::Noise`] if it cannot be measured.
@@ -38,8 +39,12 @@ pub(crate) fn noise_levels<M: Motion<N, R>, const N: usize, const R: usize>(
     let length = prepared.noise_samples();
     let mut levels = [NoiseLevel::NONE; R];
     for (row, output) in M::AXES.outputs().iter().enumerate().filter(|(_, o)| model.outputs[o.index()]) {
-        let values: Vec<f64> = prepared.outputs[..length].iter().map(|y| y[row]).collect();
-        let found = measure_noise(&values);
+        let values: Vec<f64> = prepared.outputs.iter().map(|y| y[row]).collect();
+        let found = match OwnSamples::of(&values) {
+            // Of a slow instrument the first two seconds hold next to nothing: as many samples as of a fast one at least.
+            Some(own) => own.noise(&values, FEWEST_SAMPLES.max(own.up_to(length))),
+            None => measure_noise(&values[..length]),
+        };
         let white = found.map_or(0.0, |found| found.std);
         levels[row] = match model.noise[output.index()] {
             Some(std) => NoiseLevel { std, measured: false, white },

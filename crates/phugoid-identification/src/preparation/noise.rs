@@ -31,25 +31,99 @@ pub struct MeasuredNoise {
 /// # Ok::<(), &str>(())
 /// ```
 pub fn measure_noise(values: &[f64]) -> Option<MeasuredNoise> {
-    let mut third: Vec<f64> =
-        values.windows(4).map(|w| (w[3] - 3.0 * w[2] + 3.0 * w[1] - w[0]).abs()).filter(|d| d.is_finite()).collect();
+    let third = values.windows(4).map(|w| (w[3] - 3.0 * w[2] + 3.0 * w[1] - w[0]).abs());
+    of_differences(third, values.windows(2).map(|w| (w[1] - w[0]).abs()))
+}
+
+/// The noise from third differences and from first ones, both without sign; what is not finite is left out.
+fn of_differences(third: impl Iterator<Item = f64>, first: impl Iterator<Item = f64>) -> Option<MeasuredNoise> {
+    let mut third: Vec<f64> = third.filter(|d| d.is_finite()).collect();
     if third.len() < 8 {
         return None;
     }
     let std = 1.4826 * median(&mut third)? / 20.0_f64.sqrt();
     // A recorder with few bits gives runs of equal values: its step bounds the noise from below.
-    let step = values
-        .windows(2)
-        .map(|w| (w[1] - w[0]).abs())
-        .filter(|d| *d > 0.0)
-        .min_by(f64::total_cmp)
-        .filter(|s| s.is_finite())?;
+    let step = first.filter(|d| *d > 0.0).min_by(f64::total_cmp).filter(|s| s.is_finite())?;
     let floor = step / 12.0_f64.sqrt();
     Some(if std < floor {
         MeasuredNoise { std: floor, quantised: true }
     } else {
         MeasuredNoise { std, quantised: false }
     })
+}
+
+/// The samples of a channel that is slower than the record it is in.
+///
+/// A slow instrument gives one value, and then none until its next one (NaN), or the same one again and again, because
+/// somebody has put all channels on the times of the fastest. What stands between its own samples is no measurement, and
+/// the noise of the channel is that of its own samples alone.
+pub(crate) struct OwnSamples {
+    /// Rows of the record with a sample of the channel's own.
+    rows: Vec<usize>,
+    /// Rows from one to the next, the median.
+    every: usize,
+}
+
+/// Fewer values of its own do not show that a channel is slow.
+const FEWEST_OWN: usize = 12;
+
+impl OwnSamples {
+    /// The samples of a slow channel; `None` if the channel is as fast as the record, or no such rhythm is in it.
+    pub(crate) fn of(values: &[f64]) -> Option<Self> {
+        let finite: Vec<usize> = (0..values.len()).filter(|row| values[*row].is_finite()).collect();
+        let mut changes = finite.clone();
+        changes.dedup_by(|row, before| values[*row].to_bits() == values[*before].to_bits());
+        [changes, finite].into_iter().find_map(Self::in_rhythm)
+    }
+
+    /// These rows, if they come in a rhythm that is slower than the record: nine of ten follow the one before by the same
+    /// number of rows, or by one of two neighbouring numbers. The steps of a coarse recorder come whenever the signal
+    /// has moved by one of them, and are in no rhythm.
+    fn in_rhythm(rows: Vec<usize>) -> Option<Self> {
+        if rows.len() < FEWEST_OWN {
+            return None;
+        }
+        let gaps: Vec<f64> = rows.windows(2).map(|w| (w[1] - w[0]) as f64).collect();
+        let middle = median(&mut gaps.clone())?;
+        let short: Vec<f64> = gaps.iter().copied().filter(|gap| *gap <= 1.5 * middle).collect();
+        let mean = short.iter().sum::<f64>() / short.len() as f64;
+        let regular = gaps.iter().filter(|gap| (*gap - mean).abs() < f64::max(1.0, 0.05 * mean)).count();
+        (middle >= 2.0 && 10 * regular >= 9 * gaps.len()).then_some(Self { rows, every: middle as usize })
+    }
+
+    /// How many of them are in the first rows of the record.
+    pub(crate) fn up_to(&self, rows: usize) -> usize {
+        self.rows.partition_point(|row| *row < rows)
+    }
+
+    /// The noise of the first `most` samples of the channel's own, as [`measure_noise`] gives that of a fast one: motion
+    /// that is no parabola over four of these samples counts as noise.
+    pub(crate) fn noise(&self, values: &[f64], most: usize) -> Option<MeasuredNoise> {
+        let rows = &self.rows[..most.min(self.rows.len())];
+        let near = |w: &[usize]| (w[1] - w[0]).abs_diff(self.every) <= (self.every / 10).max(1);
+        let pairs = rows.windows(2).filter(|w| near(w)).map(|w| (values[w[1]] - values[w[0]]).abs());
+        let third = rows.windows(4).filter(|w| w.windows(2).all(near));
+        let third = third.map(|w| (values[w[3]] - 3.0 * values[w[2]] + 3.0 * values[w[1]] - values[w[0]]).abs());
+        of_differences(third, pairs)
+    }
+}
+
+/// As [`measure_noise`], and of a channel that is slower than the record from its own samples, whether the rows between
+/// them are missing (NaN) or repeat the last value.
+///
+/// ```
+/// use phugoid_identification::noise::{measure_noise, measure_own_noise};
+/// // One value in ten rows, off by 0.5 to either side, and repeated.
+/// let values: Vec<f64> = (0..400).map(|row| if row / 10 * 7 % 5 < 2 { 20.5 } else { 19.5 + 1e-9 * f64::from(row / 10) }).collect();
+/// let (own, rows) = (measure_own_noise(&values).ok_or("too short")?, measure_noise(&values).ok_or("too short")?);
+/// assert!(own.std > 0.1 && rows.std < 1e-6, "{own:?} {rows:?}");
+/// # Ok::<(), &str>(())
+/// ```
+pub fn measure_own_noise(values: &[f64]) -> Option<MeasuredNoise> {
+    match OwnSamples::of(values) {
+        Some(own) => own.noise(values, usize::MAX),
+        None => measure_noise(values),
+    }
 }
 
 /// Values this many sigmas of the noise from the median of the five around them are outliers.
@@ -121,6 +195,37 @@ mod tests {
         // 5 % outliers touch a fifth of the third differences; the median then lies 25 % high.
         assert!((0.009..0.0145).contains(&found.std), "{found:?}");
         assert!(!found.quantised);
+    }
+
+    /// A channel of one value per second in a record of a hundred rows per second, of which the rows between are missing,
+    /// hold the last value, or come now one row early and now one late.
+    #[test]
+    fn the_noise_of_a_slow_channel_is_that_of_its_own_samples() {
+        let mut seed = 5;
+        let own: Vec<f64> = (0..200).map(|k| 100.0 + (0.05 * f64::from(k)).sin() + 0.3 * noise(&mut seed)).collect();
+        let sparse: Vec<f64> = (0..20_000).map(|row| if row % 100 == 0 { own[row / 100] } else { f64::NAN }).collect();
+        let held: Vec<f64> = (0..20_000).map(|row| own[row / 100]).collect();
+        let uneven: Vec<f64> = (0..660).map(|row| own[row * 3 / 10]).collect();
+        // Neither is what the rows of the record say.
+        assert_eq!(measure_noise(&sparse), None);
+        assert!(measure_noise(&held).unwrap().std < 0.01);
+        for values in [&sparse, &held, &uneven] {
+            let found = measure_own_noise(values).unwrap();
+            assert!((0.24..0.36).contains(&found.std) && !found.quantised, "{found:?}");
+        }
+    }
+
+    #[test]
+    fn a_fast_channel_and_a_coarse_recorder_are_in_no_rhythm() {
+        let mut seed = 9;
+        let fast: Vec<f64> = (0..400).map(|k| (0.02 * f64::from(k)).sin() + 0.01 * noise(&mut seed)).collect();
+        let coarse: Vec<f64> = (0..400).map(|k| ((0.02 * f64::from(k)).sin() * 20.0).round() / 20.0).collect();
+        let noisy_and_coarse: Vec<f64> = fast.iter().map(|v| (v * 50.0).round() / 50.0).collect();
+        let lossy: Vec<f64> = fast.iter().enumerate().map(|(k, v)| if k % 7 == 3 { f64::NAN } else { *v }).collect();
+        for values in [&fast, &coarse, &noisy_and_coarse, &lossy] {
+            assert!(OwnSamples::of(values).is_none());
+            assert_eq!(measure_own_noise(values), measure_noise(values));
+        }
     }
 
     #[test]

@@ -7,6 +7,9 @@ use crate::motion::{Motion, ReferencePoint};
 use crate::preparation::intake::Origin;
 use crate::preparation::surface::SurfaceNoise;
 
+/// Samples that noise levels are measured from, at least.
+pub(crate) const FEWEST_SAMPLES: usize = 40;
+
 /// Everything the estimator needs of one record.
 #[derive(Clone, Debug)]
 pub struct Prepared<M: Motion<N, R>, const N: usize, const R: usize> {
@@ -40,7 +43,7 @@ impl<M: Motion<N, R>, const N: usize, const R: usize> Prepared<M, N, R> {
     /// Samples at the start of the record that noise levels are measured from: two seconds, at least 40 samples.
     pub fn noise_samples(&self) -> usize {
         let start = self.time.first().copied().unwrap_or(0.0);
-        self.time.iter().take_while(|t| **t - start <= 2.0).count().max(40).min(self.time.len())
+        self.time.iter().take_while(|t| **t - start <= 2.0).count().max(FEWEST_SAMPLES).min(self.time.len())
     }
 
     /// The positions of the control surfaces, rad, by sample.

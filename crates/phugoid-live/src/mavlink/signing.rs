@@ -3,14 +3,13 @@
 use std::collections::HashMap;
 use std::fmt;
 
+use phugoid_flight_data::mavlink::frame::{self, Frame, SIGNATURE};
 use sha2::{Digest, Sha256};
 
-use super::frame::Frame;
-
+/// Flag of incompatibility: a signature follows the checksum.
+const SIGNED: u8 = 0x01;
 /// Bytes of a key.
 const KEY: usize = 32;
-/// Bytes of a signature: number of the link, timestamp, and the first bytes of the hash.
-pub(super) const SIGNATURE: usize = 13;
 /// A stream that begins with a timestamp older than this before the newest is refused, in units of 10 us: a minute.
 const OLDEST: u64 = 6_000_000;
 /// Streams whose timestamps are followed; frames of further ones are refused.
@@ -156,9 +155,29 @@ impl Verifier {
     }
 }
 
+/// A frame as [`frame::encode`] makes it, with a signature, for this number of the link and this
+/// timestamp (10 us since 2015-01-01 UTC, 48 bits).
+#[allow(clippy::too_many_arguments)] // the parts of a frame
+pub fn encode_signed(
+    id: u32,
+    sequence: u8,
+    system: u8,
+    component: u8,
+    payload: &[u8],
+    key: &Key,
+    link: u8,
+    timestamp: u64,
+) -> Option<Vec<u8>> {
+    let mut frame = frame::encode_with_flags(SIGNED, id, sequence, system, component, payload)?;
+    let signature = key.sign(&frame, link, timestamp);
+    frame.extend_from_slice(&signature);
+    Some(frame)
+}
+
 #[cfg(test)]
 mod tests {
-    use super::super::frame::{self, Found};
+    use phugoid_flight_data::mavlink::frame::Found;
+
     use super::*;
 
     fn verify(verifier: &mut Verifier, bytes: &[u8]) -> Result<(), Refusal> {

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use phugoid_evaluation::arena::{Arena, EntryResult, MethodResult};
+use phugoid_evaluation::arena::{Arena, EntryResult, Findings, MethodResult};
 
 use super::page::{self, END_OF_TABLE, Section, prose, table};
 use crate::arena::{arena_figures, ratio};
@@ -51,7 +51,7 @@ fn findings(arena: &Arena) -> String {
     if let Some(ours) = arena.methods.first() {
         let _ = writeln!(out, "<h3>Where <code>{}</code> loses</h3>", escape(ours));
         if arena.findings.ours_loses.is_empty() {
-            out.push_str("<p>Nowhere.</p>\n");
+            let _ = writeln!(out, "<p>{}</p>", prose(&Findings::loses_nowhere(arena.seeds)));
         } else {
             out.push_str("<ul class=\"verdict\">\n");
             for sentence in &arena.findings.ours_loses {

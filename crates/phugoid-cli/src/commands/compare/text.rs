@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use phugoid_evaluation::arena::{Arena, Checkpoint, EntryResult, MethodResult, ParameterScore, Unit};
+use phugoid_evaluation::arena::{Arena, Checkpoint, EntryResult, Findings, MethodResult, ParameterScore, Unit};
 
 use super::Written;
 use crate::output::{Table, significant, wrapped};
@@ -36,7 +36,8 @@ pub(super) fn text(arena: &Arena, written: &Written) -> String {
     }
     if let Some(ours) = arena.methods.first() {
         if arena.findings.ours_loses.is_empty() {
-            let _ = writeln!(text, "\nWhere {ours} loses: nowhere");
+            text.push_str(&format!("\nWhere {ours} loses\n"));
+            text.push_str(&wrapped(&Findings::loses_nowhere(arena.seeds)));
         } else {
             let _ = writeln!(text, "\nWhere {ours} loses");
             for sentence in &arena.findings.ours_loses {

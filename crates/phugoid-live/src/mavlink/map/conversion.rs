@@ -2,11 +2,10 @@
 
 use phugoid_flight_data::channels;
 use phugoid_flight_data::csv::ColumnMapping;
+use phugoid_flight_data::mavlink::units::to_si;
 use phugoid_flight_data::printable::toml_string;
 use phugoid_flight_data::record::Quantity;
 use phugoid_flight_data::units;
-
-use crate::mavlink::units::to_si;
 
 /// Servo pulses are counted from this width, us, which is the neutral position.
 const NEUTRAL_US: f64 = 1500.0;

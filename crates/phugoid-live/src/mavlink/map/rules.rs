@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use phugoid_flight_data::channels;
 use phugoid_flight_data::csv::ColumnMapping;
+pub(super) use phugoid_flight_data::mavlink::time_field;
 use phugoid_flight_data::profile::{FieldName, Profile, Source};
 use phugoid_flight_data::record::Quantity;
 use phugoid_flight_data::units;
@@ -250,11 +251,6 @@ fn element_of<'a>(message: &'a Message, name: &str) -> Option<(&'a Field, usize)
 /// A field as it is to be written in a mapping.
 fn written(field: &Field) -> String {
     if field.count == 0 { field.name.to_owned() } else { format!("{}[0..{}]", field.name, field.count) }
-}
-
-/// The field with the time at which a message was sampled; `None` if the message has none.
-pub(super) fn time_field(message: &Message) -> Option<&Field> {
-    ["time_usec", "time_boot_ms"].iter().find_map(|name| message.field(name))
 }
 
 /// The time at which a message was sampled by the sender's clock, s; `None` if the message has no time.

@@ -6,7 +6,7 @@ use std::sync::OnceLock;
 /// A message and its fields.
 ///
 /// ```
-/// use phugoid_live::mavlink::definitions;
+/// use phugoid_flight_data::mavlink::definitions;
 ///
 /// let attitude = definitions::by_name("ATTITUDE").expect("a message of the dialect `common`");
 /// assert_eq!((attitude.id, attitude.length()), (30, 28));

@@ -1,10 +1,13 @@
 //! Frames in a stream of bytes (<https://mavlink.io/en/guide/serialization.html>).
 
 use super::definitions;
-use super::signing::{Key, SIGNATURE};
 
-const START_1: u8 = 0xFE;
-const START_2: u8 = 0xFD;
+/// First byte of a frame of MAVLink 1, ...
+pub(crate) const START_1: u8 = 0xFE;
+/// ... and of MAVLink 2.
+pub(crate) const START_2: u8 = 0xFD;
+/// Length of the signature at the end of a signed frame, bytes.
+pub const SIGNATURE: usize = 13;
 /// Incompatibility flag of MAVLink 2: a signature of 13 bytes follows the checksum.
 const SIGNED: u8 = 0x01;
 
@@ -43,8 +46,8 @@ pub enum Found<'a> {
 /// Looks at the beginning of a buffer.
 ///
 /// ```
-/// use phugoid_live::mavlink::definitions::NAMED_VALUE_FLOAT;
-/// use phugoid_live::mavlink::frame::{self, Found};
+/// use phugoid_flight_data::mavlink::definitions::NAMED_VALUE_FLOAT;
+/// use phugoid_flight_data::mavlink::frame::{self, Found};
 ///
 /// let payload = [0, 0, 0, 0, 0, 0, 0xC0, 0x3F, b'q'];
 /// let mut bytes = frame::encode(NAMED_VALUE_FLOAT, 7, 1, 1, &payload).expect("a known message");
@@ -97,7 +100,7 @@ pub fn next(bytes: &[u8]) -> Found<'_> {
 /// one byte is used, because another frame may begin inside it.
 ///
 /// ```
-/// use phugoid_live::mavlink::frame::{self, Found};
+/// use phugoid_flight_data::mavlink::frame::{self, Found};
 ///
 /// let mut bytes = b"noise".to_vec();
 /// bytes.extend(frame::encode(0, 0, 1, 1, &[0; 9]).expect("HEARTBEAT is known"));
@@ -129,7 +132,7 @@ pub fn split<'a>(bytes: &'a [u8], out: &mut dyn FnMut(Found<'a>)) -> usize {
 ///
 /// ```
 /// // The catalogue of parametrised CRC algorithms gives 0x6F91 for the nine bytes `123456789`.
-/// assert_eq!(phugoid_live::mavlink::frame::checksum(b"12345678", b'9'), 0x6F91);
+/// assert_eq!(phugoid_flight_data::mavlink::frame::checksum(b"12345678", b'9'), 0x6F91);
 /// ```
 pub fn checksum(bytes: &[u8], extra: u8) -> u16 {
     bytes.iter().chain(std::iter::once(&extra)).fold(0xFFFF_u16, |crc, byte| {
@@ -145,22 +148,29 @@ pub fn encode(id: u32, sequence: u8, system: u8, component: u8, payload: &[u8]) 
     frame_of(id, [0, sequence, system, component], payload)
 }
 
-/// The same with a signature, for this number of the link and this timestamp (10 us since 2015-01-01 UTC, 48 bits).
-#[allow(clippy::too_many_arguments)] // the parts of a frame
-pub fn encode_signed(
+/// A frame as [`encode`] makes it, with these flags of incompatibility (1: a signature of [`SIGNATURE`] bytes will follow,
+/// which the caller makes and appends).
+pub fn encode_with_flags(
+    flags: u8,
     id: u32,
     sequence: u8,
     system: u8,
     component: u8,
     payload: &[u8],
-    key: &Key,
-    link: u8,
-    timestamp: u64,
 ) -> Option<Vec<u8>> {
-    let mut frame = frame_of(id, [SIGNED, sequence, system, component], payload)?;
-    let signature = key.sign(&frame, link, timestamp);
-    frame.extend_from_slice(&signature);
-    Some(frame)
+    frame_of(id, [flags, sequence, system, component], payload)
+}
+
+/// Length in bytes of the frame that begins here, as its header states it, whether or not its checksum is right. `None`
+/// if no frame begins here, or too few bytes are given to know.
+pub fn length(bytes: &[u8]) -> Option<usize> {
+    match *bytes {
+        [START_1, payload, ..] => Some(6 + usize::from(payload) + 2),
+        [START_2, payload, flags, ..] if flags & !SIGNED == 0 => {
+            Some(10 + usize::from(payload) + 2 + if flags & SIGNED == 0 { 0 } else { SIGNATURE })
+        }
+        _ => None,
+    }
 }
 
 fn frame_of(id: u32, [flags, sequence, system, component]: [u8; 4], payload: &[u8]) -> Option<Vec<u8>> {
