@@ -246,7 +246,7 @@ impl Plan {
                 }
             }
             Some(Command::Reproduce(a)) => {
-                if !a.list {
+                if !a.list && !a.show {
                     plan.words(&a.cases);
                     plan.folder(&a.out, &["report.html", "reproduction.json"], Some("csv"));
                 }

@@ -46,7 +46,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     };
     let (flights, first): (usize, u64) = (flights.parse()?, first.parse()?);
     let folder = std::fs::canonicalize(folder)?;
-    let model = ModelFile::parse(MODEL, "model.toml")?;
+    let model = ModelFile::parse("model.toml", MODEL)?;
     println!(
         "damage                 flights  doubt  adopted after, s  named  wrongly  none of  covered: Cn_beta Cm_alpha Cl_alpha  level 1 or 2: fixed robust adaptive oracle"
     );

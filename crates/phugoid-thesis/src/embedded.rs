@@ -12,7 +12,7 @@ macro_rules! cases {
             &[$($crate::entry::Entry { id: concat!($group, "/", $name), title: $title, run }),*];
 
         /// Text of each case file, by id.
-        const FILES: &[(&str, &str)] = &[$((
+        pub(crate) const FILES: &[(&str, &str)] = &[$((
             concat!($group, "/", $name),
             include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenarios/thesis/", $group, "-", $name, ".toml")),
         )),*];

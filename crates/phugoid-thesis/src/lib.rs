@@ -58,3 +58,24 @@ pub fn entries() -> Vec<Entry> {
     ]
     .concat()
 }
+
+/// The text of the case file behind an entry, as a start for a case of one's own; `None` for a study, which is computed by
+/// the program, and for an id that no entry has.
+///
+/// ```
+/// let text = phugoid_thesis::case_text("first-order/1").ok_or("a case")?;
+/// assert!(text.contains("[published]"));
+/// assert_eq!(phugoid_thesis::case_text("laws/reaching"), None);
+/// # Ok::<(), &str>(())
+/// ```
+pub fn case_text(id: &str) -> Option<&'static str> {
+    let files = [
+        plant_case::FILES,
+        aircraft_case::FILES,
+        studies::sensors::FILES,
+        studies::gust_flight::FILES,
+        studies::pilot::FILES,
+        &comparison::FILES,
+    ];
+    files.into_iter().flatten().find(|(known, _)| *known == id).map(|(_, text)| *text)
+}

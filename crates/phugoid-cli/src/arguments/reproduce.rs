@@ -15,7 +15,8 @@ use super::help::examples_and_exit_codes;
   phugoid reproduce --list                         ids and titles
   phugoid reproduce second-order/3                 one case, with all details
   phugoid reproduce first-order noise/2 --json     a group and a case, as JSON
-  phugoid reproduce my-case.toml --figures svg     a case file of your own
+  phugoid reproduce first-order/1 --show > my.toml the case as a file, to change it
+  phugoid reproduce my.toml --figures svg          a case file of your own
 
 A requirement that is not met is reported as a result: the exit code stays 0. If a case cannot be run,
 the others are still reported, and the exit code is 1."
@@ -27,6 +28,10 @@ pub(crate) struct Reproduce {
     /// List the ids and titles of the cases, and run nothing
     #[arg(long)]
     pub(crate) list: bool,
+    /// Print the text of the case files (plant, true values, laws, gains, input, what was published) and run nothing: a
+    /// start for a case of your own
+    #[arg(long, conflicts_with_all = ["list", "json"])]
+    pub(crate) show: bool,
     /// Folder for report.html, reproduction.json and one CSV file per case
     #[arg(long, value_name = "DIR", default_value = "phugoid-reproduction")]
     pub(crate) out: PathBuf,

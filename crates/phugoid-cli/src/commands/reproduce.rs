@@ -27,6 +27,9 @@ pub(crate) fn run(arguments: &arguments::Reproduce) -> Result<(), Failure> {
         return list(&entries(), arguments.json);
     }
     let tasks = select(&arguments.cases, &entries())?;
+    if arguments.show {
+        return show(&tasks);
+    }
     // Before the minutes that it may take, not after.
     std::fs::create_dir_all(&arguments.out).map_err(|e| Failure::writing(&arguments.out, e))?;
     let (reproductions, not_run) = run_all(&tasks);
@@ -47,6 +50,19 @@ pub(crate) fn run(arguments: &arguments::Reproduce) -> Result<(), Failure> {
             Err(Failure::impossible(format!("{} cases have no result: {}", several.len(), ids.join(", "))))
         }
     }
+}
+
+/// Prints the files of the cases.
+fn show(tasks: &[Task]) -> Result<(), Failure> {
+    let texts: Vec<String> = tasks.iter().filter_map(|task| Some(task.text()?.trim_end().to_owned())).collect();
+    if texts.is_empty() {
+        let id = tasks.first().map_or("it", Task::id);
+        return Err(Failure::input(format!(
+            "`{id}` is a study, which the program computes: it has no case file. `phugoid reproduce --list` names the cases; \
+             those of the groups first-order, second-order, noise, dcm-alpha, dcm-q, dcl-alpha, dcd-alpha and combined have one"
+        )));
+    }
+    print(&(texts.join("\n\n# ----\n\n") + "\n"))
 }
 
 #[derive(Serialize)]

@@ -228,3 +228,19 @@ fn a_comparison_of_ones_own_finds_the_files_beside_it() {
     let run = phugoid(&folder.0, &["reproduce", "mine/compare.toml"]);
     assert_eq!(run.code, Some(0), "{}", run.err);
 }
+
+#[test]
+fn a_case_is_shown_and_a_changed_one_is_labelled() {
+    let folder = Folder::new("reproduce-show");
+    let shown = phugoid(&folder.0, &["reproduce", "first-order/1", "--show"]);
+    assert_eq!((shown.code, shown.out.trim_end()), (Some(0), case_file("first-order-1.toml").trim_end()));
+    assert!(!folder.0.join("phugoid-reproduction").exists(), "nothing is run");
+    let study = phugoid(&folder.0, &["reproduce", "laws/reaching", "--show"]);
+    assert!(study.fails(3).contains("`laws/reaching` is a study"), "{}", study.err);
+    // The same text runs under its title; with another number it is another case, and says so.
+    folder.file("same.toml", &shown.out);
+    folder.file("mine.toml", &shown.out.replacen("lambda", "# mine\nlambda", 1));
+    let json = phugoid(&folder.0, &["reproduce", "same.toml", "mine.toml", "--json", "--out", "r"]).json();
+    let text = json.to_string();
+    assert_eq!(text.matches("(changed: not the case first-order/1 of the thesis)").count(), 1, "{text}");
+}

@@ -20,7 +20,7 @@ mod reference;
 mod run;
 
 pub use case::{AircraftCase, EstimatorSettings, PARAMETERS, ParameterSettings};
-pub(super) use entries::ENTRIES;
+pub(super) use entries::{ENTRIES, FILES};
 pub use entries::{published_case, published_ids};
 pub use flight::fly;
 pub use law::{LawForm, LawSettings, Surface};

@@ -26,7 +26,7 @@ pub(super) const ENTRIES: &[Entry] = &[
     Entry { id: "model-reference/random", title: "Model reference, random truths of both signs", run: random::run },
 ];
 
-const FILES: [(&str, &str); 2] = [
+pub(super) const FILES: [(&str, &str); 2] = [
     ("model-reference/1", include_str!("../../../../scenarios/thesis/model-reference-1.toml")),
     ("model-reference/2", include_str!("../../../../scenarios/thesis/model-reference-2.toml")),
 ];

@@ -18,7 +18,7 @@ pub mod verdict;
 
 pub use bound::bound;
 pub use condition::slopes;
-pub(super) use entries::ENTRIES;
+pub(super) use entries::{ENTRIES, FILES};
 pub use entries::{published_case, published_ids};
 pub use format::{Noise, Parameter, PlantCase, Settings, Signal};
 pub(super) use method::flagship_settings;

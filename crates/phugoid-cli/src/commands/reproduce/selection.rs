@@ -14,8 +14,9 @@ use crate::failure::Failure;
 pub(super) enum Task {
     /// A built-in entry.
     Entry(Entry),
-    /// A case file, and the id of its result: the name of the file.
-    File { id: String, case: Box<Case> },
+    /// A case file, and the id of its result: the name of the file. `changed` is the id of the built-in case whose title it
+    /// bears with another text.
+    File { id: String, case: Box<Case>, text: String, changed: Option<&'static str> },
 }
 
 impl Task {
@@ -33,7 +34,21 @@ impl Task {
     pub(super) fn run(&self, done: &(dyn Fn(f64) + Sync)) -> Result<Reproduction, String> {
         match self {
             Self::Entry(entry) => (entry.run)(entry.id, done).map_err(|error| error.to_string()),
-            Self::File { id, case } => case.run(id).map_err(|error| error.to_string()),
+            Self::File { id, case, changed, .. } => {
+                let mut result = case.run(id).map_err(|error| error.to_string())?;
+                if let Some(of) = changed {
+                    result.title = format!("{} (changed: not the case {of} of the thesis)", result.title);
+                }
+                Ok(result)
+            }
+        }
+    }
+
+    /// The text of the case file; `None` for a study.
+    pub(super) fn text(&self) -> Option<&str> {
+        match self {
+            Self::Entry(entry) => phugoid_thesis::case_text(entry.id),
+            Self::File { text, .. } => Some(text),
         }
     }
 }
@@ -87,9 +102,20 @@ fn matching(word: &str, entries: &[Entry]) -> Result<Vec<Task>, Failure> {
     if file.extension().is_some_and(|extension| extension == "toml") || file.is_file() {
         let case = Case::read(file).map_err(Failure::input)?;
         let id = file.file_stem().map_or_else(|| word.to_owned(), |stem| stem.to_string_lossy().into_owned());
-        return Ok(vec![Task::File { id, case: Box::new(case) }]);
+        let text = std::fs::read_to_string(file).map_err(|error| Failure::input(format!("{word}: {error}")))?;
+        let changed = changed(&text, entries);
+        return Ok(vec![Task::File { id, case: Box::new(case), text, changed }]);
     }
     Err(unknown(word, entries))
+}
+
+/// The built-in case whose title this text bears without being its text.
+fn changed(text: &str, entries: &[Entry]) -> Option<&'static str> {
+    let title = |text: &str| text.lines().find(|line| line.starts_with("title")).map(str::to_owned);
+    let own = title(text)?;
+    let known = entries.iter().filter_map(|entry| Some((entry.id, phugoid_thesis::case_text(entry.id)?)));
+    let same = known.filter(|(_, known)| title(known).is_some_and(|known| known == own)).collect::<Vec<_>>();
+    same.iter().all(|(_, known)| known.trim_end() != text.trim_end()).then(|| same.first().map(|(id, _)| *id))?
 }
 
 fn unknown(word: &str, entries: &[Entry]) -> Failure {
