@@ -10,6 +10,7 @@ mod daveml_broken;
 mod daveml_flown;
 mod daveml_models;
 mod daveml_standard;
+mod daveml_trim;
 mod daveml_write;
 mod flown;
 mod jsbsim;
