@@ -1,7 +1,8 @@
 //! Aircraft of other programs' files as an [`Aircraft`](phugoid_flight_dynamics::aircraft::Aircraft): what trim, linear models, scenarios and studies work on, over a flat
 //! earth.
 //!
-//! [`FlownJsbsim`] is an aircraft of JSBSim, [`FlownDaveml`] one in DAVE-ML, [`Transport`] the transport of NASA with damage; [`AircraftFile`] opens whatever kind of file a path leads to. What the files say
+//! [`FlownJsbsim`] is an aircraft of JSBSim, [`FlownDaveml`] one in DAVE-ML, [`Transport`] the transport of NASA with damage, [`Tp1538`] the
+//! F-16 of NASA's report of that number; [`AircraftFile`] opens whatever kind of file a path leads to. What the files say
 //! and the equations of motion cannot take in, and what had to be assumed, each of them tells in sentences (`notes`).
 
 mod daveml;
@@ -15,11 +16,13 @@ use std::path::Path;
 
 use phugoid_flight_dynamics::aircraft::Aircraft as _;
 use phugoid_flight_dynamics::aircraft_by_variant;
+use phugoid_flight_dynamics::f16::F16Options;
 
 pub use self::daveml::FlownDaveml;
 pub use self::error::FlownError;
 pub use self::jsbsim::FlownJsbsim;
 pub use self::options::{FlownOptions, Thrust};
+use crate::tp1538::{self, Tp1538};
 use crate::transport::{Damage, Transport, TransportOptions};
 use crate::xml;
 
@@ -46,11 +49,14 @@ pub enum AircraftFile {
     Daveml(Box<FlownDaveml>),
     /// The Generic Transport Model of NASA.
     Transport(Box<Transport>),
+    /// The F-16 of NASA TP-1538.
+    Tp1538(Box<Tp1538>),
 }
 
 impl AircraftFile {
     /// Opens a file, or of a folder `name` the file `name/name.xml`: an aircraft of JSBSim if it begins with `fdm_config`, one in
-    /// DAVE-ML if it ends in `.dml` or begins with `DAVEfunc`. A folder with a file `vehicle.json` is the Generic Transport Model of NASA.
+    /// DAVE-ML if it ends in `.dml` or begins with `DAVEfunc`. A folder with a file `vehicle.json` is the Generic Transport Model of NASA. A
+    /// folder with `tp1538_tables.json`, or that file, is the F-16 of NASA TP-1538, whose property `cg` is its centre of gravity.
     ///
     /// # Errors
     /// [`FlownError`]: the file cannot be read, is of no known kind, or does not make an aircraft that can be flown.
@@ -85,6 +91,9 @@ impl AircraftFile {
                 TransportOptions { damage: options.damage, gravity: options.gravity, ..TransportOptions::default() };
             return Ok(Self::Transport(Box::new(Transport::open_with(path, &options)?)));
         }
+        if path.join(tp1538::FILE).is_file() || path.file_name().is_some_and(|name| name == tp1538::FILE) {
+            return open_tp1538(path, options);
+        }
         if options.damage != Damage::None {
             return no_option("damaged", "an aircraft of JSBSim or in DAVE-ML");
         }
@@ -115,6 +124,7 @@ impl AircraftFile {
             Self::Jsbsim(aircraft) => aircraft.name(),
             Self::Daveml(aircraft) => aircraft.name(),
             Self::Transport(aircraft) => aircraft.name(),
+            Self::Tp1538(_) => "F-16 of NASA TP-1538",
         }
     }
 
@@ -122,7 +132,7 @@ impl AircraftFile {
     /// moment reference point that is anywhere.
     pub fn centre_of_gravity(&self) -> Option<f64> {
         match self {
-            Self::Jsbsim(_) | Self::Transport(_) => Some(self.geometry().cg),
+            Self::Jsbsim(_) | Self::Transport(_) | Self::Tp1538(_) => Some(self.geometry().cg),
             Self::Daveml(_) => None,
         }
     }
@@ -133,8 +143,35 @@ impl AircraftFile {
             Self::Jsbsim(aircraft) => aircraft.notes(),
             Self::Daveml(aircraft) => aircraft.notes(),
             Self::Transport(aircraft) => aircraft.notes(),
+            Self::Tp1538(aircraft) => aircraft.notes(),
         }
     }
+}
+
+/// The F-16 of NASA TP-1538, whose one property is its centre of gravity.
+fn open_tp1538(path: &Path, options: &FlownOptions) -> Result<AircraftFile, FlownError> {
+    for (option, given) in [
+        ("damaged", options.damage != Damage::None),
+        ("largest_thrust", options.thrust != Thrust::Engines),
+        ("thrust_scale", options.thrust_scale != 1.0),
+        ("with", !options.with.is_empty()),
+    ] {
+        if given {
+            return Err(FlownError::Option { file: path.into(), option, aircraft: "the F-16 of NASA TP-1538" });
+        }
+    }
+    let mut cg = F16Options::default().cg;
+    for (name, value) in &options.properties {
+        if name != "cg" {
+            return Err(FlownError::Property { name: name.clone() });
+        }
+        if !(0.0..=1.0).contains(value) {
+            let what = "the centre of gravity (`cg`), a fraction of the mean chord,";
+            return Err(FlownError::Number { what, value: *value, expected: "0 to 1" });
+        }
+        cg = *value;
+    }
+    Ok(AircraftFile::Tp1538(Box::new(Tp1538::open(path, cg)?)))
 }
 
 /// Whether a file is a model in DAVE-ML by its name.
@@ -159,4 +196,5 @@ aircraft_by_variant!(
     aircraft: Self::Jsbsim(aircraft),
     Self::Daveml(aircraft),
     Self::Transport(aircraft),
+    Self::Tp1538(aircraft),
 );

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use crate::daveml::DavemlError;
 use crate::jsbsim::JsbsimError;
+use crate::tp1538::Tp1538Error;
 use crate::transport::TransportError;
 use crate::vehicle::VehicleError;
 use crate::xml::XmlError;
@@ -104,6 +105,9 @@ pub enum FlownError {
         /// The folder.
         folder: PathBuf,
     },
+    /// The F-16 of NASA TP-1538 cannot be made.
+    #[error(transparent)]
+    Tp1538(#[from] Tp1538Error),
     /// An option that the aircraft of this file does not have.
     #[error("{}: `{option}` has no meaning for {aircraft}", file.display())]
     Option {

@@ -17,6 +17,7 @@ mod jsbsim;
 mod jsbsim_flown;
 mod nesc;
 mod published_atmosphere;
+mod tp1538;
 mod transport;
 mod transport_broken;
 mod transport_flight;
