@@ -1,11 +1,14 @@
 //! Trim and linearisation of an aircraft: the built-in F-16, or that of a file.
 
+use std::path::PathBuf;
+
 use phugoid::{AircraftName, AnyAircraft, FlownOptions, Linearization, Trim, TrimCondition};
 use pyo3::prelude::*;
 use serde_json::json;
 
 use crate::error::raise;
 
+#[allow(clippy::too_many_arguments)] // those of the Python function
 fn trimmed(
     altitude_m: f64,
     speed_m_s: f64,
@@ -13,13 +16,21 @@ fn trimmed(
     flight_path_rad: f64,
     turn_rate_rad_s: f64,
     aircraft: &str,
+    with_files: Vec<PathBuf>,
+    properties: Vec<(String, f64)>,
 ) -> PyResult<(AnyAircraft, Trim)> {
     let aircraft = if aircraft == AircraftName::F16.word() {
+        if !(with_files.is_empty() && properties.is_empty()) {
+            return Err(raise(
+                "with_files and properties are for aircraft of files, and the aircraft is `f16`: leave them out",
+            ));
+        }
         AnyAircraft::f16(None, cg).map_err(raise)?
     } else if cg.is_some() {
         return Err(raise(format!("cg is that of the F-16, and the aircraft is `{aircraft}`: leave it out")));
     } else {
-        AnyAircraft::open(aircraft, &FlownOptions::default()).map_err(raise)?
+        let options = FlownOptions { with: with_files, properties, ..FlownOptions::default() };
+        AnyAircraft::open(aircraft, &options).map_err(raise)?
     };
     let wanted = TrimCondition::steady(&aircraft, speed_m_s, altitude_m, flight_path_rad, turn_rate_rad_s);
     let trim = phugoid::trim(&aircraft, &wanted).map_err(raise)?;
@@ -34,7 +45,8 @@ fn described(document: &mut serde_json::Value, aircraft: &AnyAircraft) {
 
 /// Controls and attitude of steady flight, as a JSON document.
 #[pyfunction]
-#[pyo3(signature = (altitude_m, speed_m_s, cg=None, flight_path_rad=0.0, turn_rate_rad_s=0.0, aircraft="f16"))]
+#[allow(clippy::too_many_arguments)] // those of the Python function
+#[pyo3(signature = (altitude_m, speed_m_s, cg=None, flight_path_rad=0.0, turn_rate_rad_s=0.0, aircraft="f16", with_files=vec![], properties=vec![]))]
 pub(crate) fn trim(
     py: Python<'_>,
     altitude_m: f64,
@@ -43,9 +55,12 @@ pub(crate) fn trim(
     flight_path_rad: f64,
     turn_rate_rad_s: f64,
     aircraft: &str,
+    with_files: Vec<PathBuf>,
+    properties: Vec<(String, f64)>,
 ) -> PyResult<String> {
-    let (aircraft, trim) =
-        py.detach(|| trimmed(altitude_m, speed_m_s, cg, flight_path_rad, turn_rate_rad_s, aircraft))?;
+    let (aircraft, trim) = py.detach(|| {
+        trimmed(altitude_m, speed_m_s, cg, flight_path_rad, turn_rate_rad_s, aircraft, with_files, properties)
+    })?;
     let mut document = serde_json::to_value(&trim).map_err(raise)?;
     described(&mut document, &aircraft);
     Ok(document.to_string())
@@ -53,7 +68,8 @@ pub(crate) fn trim(
 
 /// The linear model about a trim, with its longitudinal and lateral parts and their modes, as a JSON document.
 #[pyfunction]
-#[pyo3(signature = (altitude_m, speed_m_s, cg=None, flight_path_rad=0.0, turn_rate_rad_s=0.0, aircraft="f16"))]
+#[allow(clippy::too_many_arguments)] // those of the Python function
+#[pyo3(signature = (altitude_m, speed_m_s, cg=None, flight_path_rad=0.0, turn_rate_rad_s=0.0, aircraft="f16", with_files=vec![], properties=vec![]))]
 pub(crate) fn linearize(
     py: Python<'_>,
     altitude_m: f64,
@@ -62,9 +78,12 @@ pub(crate) fn linearize(
     flight_path_rad: f64,
     turn_rate_rad_s: f64,
     aircraft: &str,
+    with_files: Vec<PathBuf>,
+    properties: Vec<(String, f64)>,
 ) -> PyResult<String> {
     let (aircraft, trim, Linearization { model, longitudinal, lateral }) = py.detach(|| {
-        let (aircraft, trim) = trimmed(altitude_m, speed_m_s, cg, flight_path_rad, turn_rate_rad_s, aircraft)?;
+        let (aircraft, trim) =
+            trimmed(altitude_m, speed_m_s, cg, flight_path_rad, turn_rate_rad_s, aircraft, with_files, properties)?;
         let linear = phugoid::linearize(&aircraft, &trim).map_err(raise)?;
         PyResult::Ok((aircraft, trim, linear))
     })?;

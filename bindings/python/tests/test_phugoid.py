@@ -551,6 +551,31 @@ def test_aircraft_of_model_files(tmp_path):
         phugoid.trim(4300.0, 104.67, aircraft="hfb320", cg=0.2)
 
 
+def test_aircraft_in_daveml(tmp_path):
+    file = tmp_path / "wing.dml"
+    outputs = {
+        "totalCoefficientOfLift": "<apply><plus/><cn>0.3</cn><apply><times/><cn>5</cn><ci>a</ci></apply></apply>",
+        "totalCoefficientOfDrag": "<cn>0.03</cn>",
+        "aeroBodyMomentCoefficient_Pitch": "<apply><minus/><apply><times/><cn>-1</cn><ci>a</ci></apply><ci>e</ci></apply>",
+    }
+    variables = "".join(
+        f'<variableDef name="{name}" varID="y{k}" units="nd"><calculation><math>{text}</math></calculation><isOutput/></variableDef>'
+        for k, (name, text) in enumerate(outputs.items())
+    )
+    file.write_text(
+        '<DAVEfunc><variableDef name="angleOfAttack" varID="a" units="rad"><isInput/></variableDef>'
+        '<variableDef name="elevatorDeflection" varID="e" units="rad"><isInput/></variableDef>' + variables + "</DAVEfunc>"
+    )
+    with pytest.raises(phugoid.PhugoidError, match="totalMass"):
+        phugoid.trim(0.0, 50.0, aircraft=file)
+    basics = {"referenceWingArea": 16.0, "referenceWingSpan": 11.0, "referenceWingChord": 1.5, "totalMass": 1000.0}
+    basics |= {f"bodyMomentOfInertia_{axis}": 1500.0 for axis in ("Roll", "Pitch", "Yaw")}
+    trim = phugoid.trim(0.0, 50.0, aircraft=file, properties=basics)
+    assert trim["elevator_rad"] == pytest.approx(-trim["alpha_rad"], abs=1e-9)
+    with pytest.raises(phugoid.PhugoidError, match="leave them out"):
+        phugoid.trim(0.0, 150.0, properties=basics)
+
+
 def test_every_object_says_what_it_is(flight, model, result):
     assert "2001 samples" in repr(flight[0]) and "needs elevator" in repr(model)
     assert "dCm_q" in repr(result) and "no estimate yet" in repr(phugoid.Session(model))

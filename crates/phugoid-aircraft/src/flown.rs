@@ -1,21 +1,28 @@
 //! Aircraft of other programs' files as an [`Aircraft`](phugoid_flight_dynamics::aircraft::Aircraft): what trim, linear models, scenarios and studies work on, over a flat
 //! earth.
 //!
-//! [`FlownJsbsim`] is an aircraft of JSBSim, [`Transport`] the transport of NASA with damage; [`AircraftFile`] opens whatever kind of file a path leads to. What the files say
+//! [`FlownJsbsim`] is an aircraft of JSBSim, [`FlownDaveml`] one in DAVE-ML, [`Transport`] the transport of NASA with damage, [`Tp1538`] the
+//! F-16 of NASA's report of that number; [`AircraftFile`] opens whatever kind of file a path leads to. What the files say
 //! and the equations of motion cannot take in, and what had to be assumed, each of them tells in sentences (`notes`).
 
+mod daveml;
 mod error;
 mod jsbsim;
 mod options;
+mod pool;
 mod surface;
 
 use std::path::Path;
 
+use phugoid_flight_dynamics::aircraft::Aircraft as _;
 use phugoid_flight_dynamics::aircraft_by_variant;
+use phugoid_flight_dynamics::f16::F16Options;
 
+pub use self::daveml::FlownDaveml;
 pub use self::error::FlownError;
 pub use self::jsbsim::FlownJsbsim;
 pub use self::options::{FlownOptions, Thrust};
+use crate::tp1538::{self, Tp1538};
 use crate::transport::{Damage, Transport, TransportOptions};
 use crate::xml;
 
@@ -38,13 +45,18 @@ use crate::xml;
 pub enum AircraftFile {
     /// An aircraft of JSBSim.
     Jsbsim(Box<FlownJsbsim>),
+    /// An aircraft in DAVE-ML.
+    Daveml(Box<FlownDaveml>),
     /// The Generic Transport Model of NASA.
     Transport(Box<Transport>),
+    /// The F-16 of NASA TP-1538.
+    Tp1538(Box<Tp1538>),
 }
 
 impl AircraftFile {
-    /// Opens a file, or of a folder `name` the file `name/name.xml`: an aircraft of JSBSim if it begins with `fdm_config`. A
-    /// folder with a file `vehicle.json` is the Generic Transport Model of NASA.
+    /// Opens a file, or of a folder `name` the file `name/name.xml`: an aircraft of JSBSim if it begins with `fdm_config`, one in
+    /// DAVE-ML if it ends in `.dml` or begins with `DAVEfunc`. A folder with a file `vehicle.json` is the Generic Transport Model of NASA. A
+    /// folder with `tp1538_tables.json`, or that file, is the F-16 of NASA TP-1538, whose property `cg` is its centre of gravity.
     ///
     /// # Errors
     /// [`FlownError`]: the file cannot be read, is of no known kind, or does not make an aircraft that can be flown.
@@ -62,6 +74,9 @@ impl AircraftFile {
             Err(FlownError::Option { file: path.into(), option, aircraft })
         };
         if path.join("vehicle.json").is_file() {
+            if !options.with.is_empty() {
+                return no_option("with", "the Generic Transport Model");
+            }
             let transport = "the Generic Transport Model";
             if !options.properties.is_empty() {
                 return no_option("properties", transport);
@@ -76,14 +91,29 @@ impl AircraftFile {
                 TransportOptions { damage: options.damage, gravity: options.gravity, ..TransportOptions::default() };
             return Ok(Self::Transport(Box::new(Transport::open_with(path, &options)?)));
         }
-        if options.damage != Damage::None {
-            return no_option("damaged", "an aircraft of JSBSim");
+        if path.join(tp1538::FILE).is_file() || path.file_name().is_some_and(|name| name == tp1538::FILE) {
+            return open_tp1538(path, options);
         }
-        if !path.is_dir() {
-            let root = root_of(path)?;
-            if root != "fdm_config" {
-                return Err(FlownError::UnknownKind { file: path.into(), root });
+        if options.damage != Damage::None {
+            return no_option("damaged", "an aircraft of JSBSim or in DAVE-ML");
+        }
+        if path.is_dir() {
+            let of_the_folder = path.file_name().map(|name| path.join(name).with_extension("xml"));
+            if !of_the_folder.is_some_and(|file| file.is_file()) && has_models(path) {
+                return Err(FlownError::Models { folder: path.into() });
             }
+        } else if is_model(path) {
+            // Some of these files are no XML before they are repaired, so that they are known by their name first.
+            return Ok(Self::Daveml(Box::new(FlownDaveml::open_with(path, options)?)));
+        } else {
+            match root_of(path)?.as_str() {
+                "fdm_config" => {}
+                "DAVEfunc" => return Ok(Self::Daveml(Box::new(FlownDaveml::open_with(path, options)?))),
+                root => return Err(FlownError::UnknownKind { file: path.into(), root: root.to_owned() }),
+            }
+        }
+        if !options.with.is_empty() {
+            return no_option("with", "an aircraft of JSBSim");
         }
         Ok(Self::Jsbsim(Box::new(FlownJsbsim::open_with(path, options)?)))
     }
@@ -92,7 +122,18 @@ impl AircraftFile {
     pub fn name(&self) -> &str {
         match self {
             Self::Jsbsim(aircraft) => aircraft.name(),
+            Self::Daveml(aircraft) => aircraft.name(),
             Self::Transport(aircraft) => aircraft.name(),
+            Self::Tp1538(_) => "F-16 of NASA TP-1538",
+        }
+    }
+
+    /// Centre of gravity behind the leading edge of the mean chord, fraction of it; none in DAVE-ML, which counts from a
+    /// moment reference point that is anywhere.
+    pub fn centre_of_gravity(&self) -> Option<f64> {
+        match self {
+            Self::Jsbsim(_) | Self::Transport(_) | Self::Tp1538(_) => Some(self.geometry().cg),
+            Self::Daveml(_) => None,
         }
     }
 
@@ -100,9 +141,47 @@ impl AircraftFile {
     pub fn notes(&self) -> &[String] {
         match self {
             Self::Jsbsim(aircraft) => aircraft.notes(),
+            Self::Daveml(aircraft) => aircraft.notes(),
             Self::Transport(aircraft) => aircraft.notes(),
+            Self::Tp1538(aircraft) => aircraft.notes(),
         }
     }
+}
+
+/// The F-16 of NASA TP-1538, whose one property is its centre of gravity.
+fn open_tp1538(path: &Path, options: &FlownOptions) -> Result<AircraftFile, FlownError> {
+    for (option, given) in [
+        ("damaged", options.damage != Damage::None),
+        ("largest_thrust", options.thrust != Thrust::Engines),
+        ("thrust_scale", options.thrust_scale != 1.0),
+        ("with", !options.with.is_empty()),
+    ] {
+        if given {
+            return Err(FlownError::Option { file: path.into(), option, aircraft: "the F-16 of NASA TP-1538" });
+        }
+    }
+    let mut cg = F16Options::default().cg;
+    for (name, value) in &options.properties {
+        if name != "cg" {
+            return Err(FlownError::Property { name: name.clone() });
+        }
+        if !(0.0..=1.0).contains(value) {
+            let what = "the centre of gravity (`cg`), a fraction of the mean chord,";
+            return Err(FlownError::Number { what, value: *value, expected: "0 to 1" });
+        }
+        cg = *value;
+    }
+    Ok(AircraftFile::Tp1538(Box::new(Tp1538::open(path, cg)?)))
+}
+
+/// Whether a file is a model in DAVE-ML by its name.
+fn is_model(file: &Path) -> bool {
+    file.extension().is_some_and(|end| end.eq_ignore_ascii_case("dml"))
+}
+
+/// Whether there is such a file in a folder.
+fn has_models(folder: &Path) -> bool {
+    std::fs::read_dir(folder).is_ok_and(|files| files.flatten().any(|file| is_model(&file.path())))
 }
 
 /// Name of the outermost element of a file.
@@ -112,4 +191,10 @@ fn root_of(file: &Path) -> Result<String, FlownError> {
     Ok(document.root_element().tag_name().name().chars().take(60).collect())
 }
 
-aircraft_by_variant!(AircraftFile, aircraft: Self::Jsbsim(aircraft), Self::Transport(aircraft));
+aircraft_by_variant!(
+    AircraftFile,
+    aircraft: Self::Jsbsim(aircraft),
+    Self::Daveml(aircraft),
+    Self::Transport(aircraft),
+    Self::Tp1538(aircraft),
+);

@@ -4,6 +4,7 @@ pub mod check_case;
 pub mod daveml;
 pub mod flown;
 pub mod jsbsim;
+pub mod tp1538;
 pub mod transport;
 pub mod vehicle;
 pub mod xml;

@@ -9,12 +9,12 @@
 //! [`Transport::damaged`] is the same aircraft with a damage, [`fly_damaged`] a flight in which damage happens.
 
 mod aerodynamics;
-mod axis;
+pub(crate) mod axis;
 mod damage;
 mod error;
 mod flight;
 mod options;
-mod read;
+pub(crate) mod read;
 mod tables;
 mod vehicle;
 

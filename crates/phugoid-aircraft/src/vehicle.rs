@@ -2,9 +2,12 @@
 //! [`globe::flight::fly`](phugoid_flight_dynamics::globe::flight::fly) flies over the Earth.
 
 mod daveml;
+mod error;
 mod jsbsim;
+pub(crate) mod named;
 
-pub use daveml::{DavemlVehicle, VehicleError};
+pub use daveml::DavemlVehicle;
+pub use error::VehicleError;
 pub use jsbsim::JsbsimVehicle;
 
 /// A quantity that is linear in time between instants, and constant before the first and after the last.

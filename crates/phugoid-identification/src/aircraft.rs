@@ -9,7 +9,7 @@ use phugoid_flight_dynamics::scalar::Scalar;
 
 use crate::core::term::{Coefficient, EXTRA_INPUTS, Term, Variable};
 use crate::export::Identified;
-use crate::model_file::{AirDensity, ModelFile, ReferenceValue, Source};
+use crate::model_file::{AirDensity, KnownAircraft, ModelFile, ReferenceValue, Source};
 use crate::models::longitudinal::Database;
 use crate::models::rigid::{Aerodynamics, Air, AircraftConstants, MassInput};
 use crate::motion::ReferencePoint;
@@ -172,13 +172,23 @@ impl ModelAircraft {
         let database = database(model).map_err(|e| ModelAircraftError::Database(e.to_string()))?;
         let reference = reference_point(model, &database, [density_at_reference(model), mass], alpha)?;
         let mut constants = AircraftConstants::of(model, &database, &reference);
-        if !model.axes.has_lateral() {
+        if !model.axes.has_lateral() && matches!(database, Database::Aircraft(_)) {
+            // It is whole without the terms of the file.
+            constants.span = data.wing_span.unwrap_or(data.mean_chord);
+        } else if !model.axes.has_lateral() {
             // Nothing of the lateral motion refers to it, but it has to be a length.
             constants.span = data.wing_span.unwrap_or(data.mean_chord);
             notes.push("The model has the longitudinal axes alone: nothing rolls, yaws or pushes to the side.".into());
         }
         let mass_properties =
-            body.properties(constants.rotor_momentum).ok_or_else(|| ModelAircraftError::Mass(model.name.clone()))?;
+            match model.known.as_ref().filter(|known| is_body_of(known, &body, model.axes.has_lateral())) {
+                // With the products of inertia that a model file has no place for.
+                Some(known) => *known.aircraft().mass_properties(),
+                None => {
+                    let properties = body.properties(constants.rotor_momentum);
+                    properties.ok_or_else(|| ModelAircraftError::Mass(model.name.clone()))?
+                }
+            };
         if !model.extra_inputs.is_empty() {
             notes.push(format!("These inputs of the model are 0 in flight: {}.", model.extra_inputs.join(", ")));
         }
@@ -197,7 +207,7 @@ impl ModelAircraft {
         };
         let largest_thrust = match (model.simulation.largest_thrust, &database) {
             (Some(largest), _) => Some(largest),
-            (None, Database::F16(_)) => None,
+            (None, Database::F16(_) | Database::Aircraft(_)) => None,
             (None, Database::None) => {
                 let half = 0.5 * mass * data.gravity;
                 notes.push(format!(
@@ -221,6 +231,10 @@ impl ModelAircraft {
         let [elevator, aileron, rudder] = model.simulation.actuators;
         let (actuators, data_range) = match &database {
             Database::F16(aircraft) => (*aircraft.actuators(), aircraft.data_range()),
+            Database::Aircraft(aircraft) => {
+                notes.extend_from_slice(aircraft.notes());
+                (*aircraft.actuators(), aircraft.data_range())
+            }
             Database::None => {
                 let range = DataRange { alpha: model.simulation.alpha, ..DataRange::UNSTATED };
                 (Actuators { elevator, aileron, rudder }, range)
@@ -260,6 +274,13 @@ impl ModelAircraft {
     }
 }
 
+/// Whether mass and inertia are those of the aircraft of the base: of the longitudinal axes alone only mass and Iyy count.
+fn is_body_of(known: &KnownAircraft, body: &MassInput, lateral: bool) -> bool {
+    let [ixx, iyy, izz, ixz] = known.inertia();
+    let same = body.mass == known.aircraft().mass_properties().mass() && body.iyy == iyy;
+    same && (!lateral || [body.ixx, body.izz, body.ixz] == [ixx, izz, ixz])
+}
+
 /// Density of the air at the reference point, kg/m^3; not a number where it comes from a record.
 fn density_at_reference(model: &ModelFile) -> f64 {
     match &model.aircraft.air_density {
@@ -293,6 +314,10 @@ fn reference_point(
     })
 }
 
+fn in_air<T: Scalar>(air: &AirData<T>, rates: [T; 3]) -> Air<T> {
+    Air { speed: air.speed, alpha: air.alpha, beta: air.beta, rates, density: air.density, mach: Some(air.mach) }
+}
+
 impl Aircraft for ModelAircraft {
     fn geometry(&self) -> &Geometry {
         &self.geometry
@@ -311,7 +336,7 @@ impl Aircraft for ModelAircraft {
     }
 
     fn coefficients<T: Scalar>(&self, air: &AirData<T>, rates: [T; 3], controls: &Controls<T>) -> Coefficients<T> {
-        let at = Air { speed: air.speed, alpha: air.alpha, beta: air.beta, rates };
+        let at = in_air(air, rates);
         let deflections = [controls.elevator, controls.aileron, controls.rudder];
         let variables = self.aerodynamics.variables(&at, &deflections, &[0.0; EXTRA_INPUTS]);
         let (sin, cos) = air.alpha.sin_cos();
@@ -324,10 +349,14 @@ impl Aircraft for ModelAircraft {
         rates: [T; 3],
         controls: &Controls<T>,
     ) -> Option<Coefficients<T>> {
+        let known = match &self.aerodynamics.database {
+            Database::Aircraft(aircraft) => aircraft.alpha_rate_coefficients(air, rates, controls),
+            _ => None,
+        };
         if self.rate_terms.is_empty() {
-            return None;
+            return known;
         }
-        let at = Air { speed: air.speed, alpha: air.alpha, beta: air.beta, rates };
+        let at = in_air(air, rates);
         let deflections = [controls.elevator, controls.aileron, controls.rudder];
         let mut variables = self.aerodynamics.variables(&at, &deflections, &[0.0; EXTRA_INPUTS]);
         // Its terms are of first order: their value at 1 rad/s is their slope.
@@ -340,7 +369,18 @@ impl Aircraft for ModelAircraft {
         let (sin, cos) = air.alpha.sin_cos();
         let [lift, drag, cm, cy, cl, cn] = sums;
         let [cx, cz] = lift_drag_to_body(lift, drag, sin, cos);
-        Some(Coefficients { cx, cy, cz, cl, cm, cn })
+        let terms = Coefficients { cx, cy, cz, cl, cm, cn };
+        Some(match known {
+            None => terms,
+            Some(known) => Coefficients {
+                cx: terms.cx + known.cx,
+                cy: terms.cy + known.cy,
+                cz: terms.cz + known.cz,
+                cl: terms.cl + known.cl,
+                cm: terms.cm + known.cm,
+                cn: terms.cn + known.cn,
+            },
+        })
     }
 
     fn propulsion<T: Scalar>(&self, power: T, altitude: T, mach: T) -> Propulsion<T> {
@@ -348,6 +388,8 @@ impl Aircraft for ModelAircraft {
         let thrust = match (self.largest_thrust, &self.aerodynamics.database) {
             (Some(largest), _) => power * (0.01 * largest),
             (None, Database::F16(aircraft)) => aircraft.propulsion(power, altitude, mach).force[0],
+            // Its engines have places and directions of their own.
+            (None, Database::Aircraft(aircraft)) => return aircraft.propulsion(power, altitude, mach),
             (None, Database::None) => zero,
         };
         let [along_x, along_z, arm] = self.thrust_line;
@@ -357,6 +399,7 @@ impl Aircraft for ModelAircraft {
     fn power_rate<T: Scalar>(&self, throttle: T, power: T) -> T {
         match &self.aerodynamics.database {
             Database::F16(aircraft) => aircraft.power_rate(throttle, power),
+            Database::Aircraft(aircraft) => aircraft.power_rate(throttle, power),
             Database::None => (throttle * 100.0 - power) / self.engine_lag_s,
         }
     }
@@ -364,6 +407,7 @@ impl Aircraft for ModelAircraft {
     fn steady_power<T: Scalar>(&self, throttle: T) -> T {
         match &self.aerodynamics.database {
             Database::F16(aircraft) => aircraft.steady_power(throttle),
+            Database::Aircraft(aircraft) => aircraft.steady_power(throttle),
             Database::None => throttle * 100.0,
         }
     }

@@ -206,6 +206,13 @@ fn learning(
             fits(scenario, model)?;
             None
         }
+        _ => {
+            return Err(RecoveryError::Unsuitable(format!(
+                "the model `{}` is made of increments to the aircraft of a file, which are not flown in closed loop yet: give a model \
+                 without `base`, or fly with --control fixed, robust or oracle",
+                model.name
+            )));
+        }
     };
     if let Some(body) = &body {
         body.counts_from(trim)

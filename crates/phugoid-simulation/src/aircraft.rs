@@ -84,15 +84,16 @@ impl AnyAircraft {
     }
 
     /// Centre of gravity behind the leading edge of the mean chord, fraction of it; none for a model file that does not say
-    /// it: its coefficients are about the centre of gravity wherever that is.
+    /// it (its coefficients are about the centre of gravity wherever that is), and none in DAVE-ML.
     pub fn centre_of_gravity(&self) -> Option<f64> {
         match self {
             Self::Model(aircraft, _) => aircraft.centre_of_gravity(),
-            Self::BuiltIn(_) | Self::File(_) => Some(self.geometry().cg),
+            Self::BuiltIn(_) => Some(self.geometry().cg),
+            Self::File(aircraft) => aircraft.centre_of_gravity(),
         }
     }
 
-    /// Opens the aircraft of a file: a model file if its name ends in `.toml`, else a file or a folder of another program
+    /// Opens the aircraft of a file: a model file if its name ends in `.toml`, else a file or a folder of another program, in DAVE-ML among others
     /// ([`AircraftFile`]), which the options are for. Where there is no such file, the built-in model of this name
     /// (`hfb320`).
     ///
@@ -112,6 +113,7 @@ impl AnyAircraft {
             ("thrust_scale", options.thrust_scale != standard.thrust_scale),
             ("largest_thrust", options.thrust != standard.thrust),
             ("damaged", options.damage != standard.damage),
+            ("with", options.with != standard.with),
         ] {
             if given {
                 return Err(AircraftError::Option { file: path.into(), option, instead: in_file });

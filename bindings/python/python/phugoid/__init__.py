@@ -844,15 +844,28 @@ def trim(
     flight_path_rad: float = 0.0,
     turn_rate_rad_s: float = 0.0,
     aircraft: str | os.PathLike[str] = "f16",
+    with_files: Iterable[str | os.PathLike[str]] = (),
+    properties: Optional[Mapping[str, float]] = None,
 ) -> dict[str, Any]:
     """Controls and attitude that hold an aircraft in steady flight. Angles in rad.
 
-    ``aircraft`` is ``"f16"``, the path of a model file, the name of a built-in model (``"hfb320"``), or the file or folder
-    of an aircraft of JSBSim. ``cg``, a fraction of the mean chord, is that of the F-16 (0.35). ``notes`` of the result say
-    what the file leaves out and what is assumed.
+    ``aircraft`` is ``"f16"``, the path of a model file, the name of a built-in model (``"hfb320"``), the file or folder of an
+    aircraft of JSBSim, or a model in DAVE-ML, whose further files (mass and inertia, engine) are ``with_files``.
+    ``properties`` sets properties of JSBSim in its units, variables in DAVE-ML in the unit of their file, and mass, inertia
+    and sizes that no file has in SI. ``cg``, a fraction of the mean chord, is that of the F-16 (0.35). ``notes`` of the
+    result say what the file leaves out and what is assumed.
     """
     document: dict[str, Any] = json.loads(
-        _phugoid.trim(altitude_m, speed_m_s, cg, flight_path_rad, turn_rate_rad_s, os.fspath(aircraft))
+        _phugoid.trim(
+            altitude_m,
+            speed_m_s,
+            cg,
+            flight_path_rad,
+            turn_rate_rad_s,
+            os.fspath(aircraft),
+            [os.fspath(file) for file in with_files],
+            [(name, float(value)) for name, value in (properties or {}).items()],
+        )
     )
     return document
 
@@ -865,13 +878,24 @@ def linearize(
     flight_path_rad: float = 0.0,
     turn_rate_rad_s: float = 0.0,
     aircraft: str | os.PathLike[str] = "f16",
+    with_files: Iterable[str | os.PathLike[str]] = (),
+    properties: Optional[Mapping[str, float]] = None,
 ) -> dict[str, Any]:
     """Linear model of an aircraft about a trim: ``model``, and its ``longitudinal`` and ``lateral`` parts with their modes.
 
     The matrices are numpy arrays; the arguments are those of :func:`trim`.
     """
     document: dict[str, Any] = json.loads(
-        _phugoid.linearize(altitude_m, speed_m_s, cg, flight_path_rad, turn_rate_rad_s, os.fspath(aircraft))
+        _phugoid.linearize(
+            altitude_m,
+            speed_m_s,
+            cg,
+            flight_path_rad,
+            turn_rate_rad_s,
+            os.fspath(aircraft),
+            [os.fspath(file) for file in with_files],
+            [(name, float(value)) for name, value in (properties or {}).items()],
+        )
     )
     for part in ("model", "longitudinal", "lateral"):
         for matrix in {"A", "B", "C", "D"} & set(document[part]):

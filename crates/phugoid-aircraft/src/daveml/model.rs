@@ -7,7 +7,7 @@ use phugoid_flight_dynamics::scalar::Scalar;
 
 use super::document::{Function, Header, Role, StaticShot, Variable};
 use super::error::DavemlError;
-use super::program::{Evaluator, Program};
+use super::program::{Evaluator, Program, Table};
 
 /// A model in DAVE-ML, ready to be evaluated.
 #[derive(Clone, Debug)]
@@ -158,6 +158,18 @@ impl Model {
 
     pub(super) fn can_be_set(&self, position: usize) -> bool {
         self.program.computed.get(position).is_some_and(|computed| !computed)
+    }
+
+    /// Lowest and highest breakpoint of the tables over the variable at this position, in its unit; none without such a
+    /// table. Tables of scattered points do not count.
+    pub(crate) fn table_ends(&self, position: usize) -> Option<[f64; 2]> {
+        let gridded = self.program.tables.iter().filter_map(|table| match table {
+            Table::Gridded(gridded) => Some(&gridded.axes),
+            Table::Scattered(_) => None,
+        });
+        let of_it = gridded.flatten().filter(|axis| axis.independent.variable == position && axis.points.len() > 1);
+        let ends = of_it.filter_map(|axis| Some([*axis.points.first()?, *axis.points.last()?]));
+        ends.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
     }
 
     /// What evaluates the model. It needs no reference to it, and a copy costs no reading.

@@ -2,8 +2,11 @@
 
 use std::path::PathBuf;
 
+use crate::daveml::DavemlError;
 use crate::jsbsim::JsbsimError;
+use crate::tp1538::Tp1538Error;
 use crate::transport::TransportError;
+use crate::vehicle::VehicleError;
 use crate::xml::XmlError;
 
 /// Why a file does not make an aircraft that can be flown.
@@ -24,6 +27,87 @@ pub enum FlownError {
     /// The tables of the Generic Transport Model cannot be read.
     #[error(transparent)]
     Transport(#[from] TransportError),
+    /// A model in DAVE-ML cannot be read; the message names the file.
+    #[error(transparent)]
+    Daveml(#[from] DavemlError),
+    /// A variable of models in DAVE-ML is missing or has a unit that does not suit it.
+    #[error("{}: {source}", file.display())]
+    Vehicle {
+        /// The first file of the aircraft.
+        file: PathBuf,
+        /// Which variable, and what is wrong with it.
+        source: VehicleError,
+    },
+    /// Models in DAVE-ML lack numbers without which there is no flight.
+    #[error(
+        "{}: no model says {names}. Name a further file that does (--with FILE; `with` in a scenario), or give the numbers in SI \
+         (--property totalMass=9300; `properties` in a scenario)",
+        file.display()
+    )]
+    Lacking {
+        /// The first file of the aircraft.
+        file: PathBuf,
+        /// The standard names with their units.
+        names: String,
+    },
+    /// A size or a mass of models in DAVE-ML is not positive.
+    #[error("{}: {name} is {value} {unit}; it has to be positive", file.display())]
+    NotPositive {
+        /// The first file of the aircraft.
+        file: PathBuf,
+        /// Standard name.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// Its unit.
+        unit: &'static str,
+    },
+    /// A size or a mass of models in DAVE-ML depends on the flight or on an input without a value.
+    #[error(
+        "{}: {name} is not a number before the flight: it follows the flight, or an input without a value. Give that input a \
+         number (--property NAME=VALUE; `properties` in a scenario)",
+        file.display()
+    )]
+    Follows {
+        /// The first file of the aircraft.
+        file: PathBuf,
+        /// Standard name.
+        name: String,
+    },
+    /// Inputs of models in DAVE-ML are known neither from the flight nor from another model.
+    #[error(
+        "{}: nothing says what {} is: no quantity of the flight, control, or variable of another model has this name. Give it a \
+         number in the unit of the file (--property {}=VALUE; `properties` in a scenario), or name the file that computes it \
+         (--with FILE; `with` in a scenario)",
+        file.display(), names.join(", "), names.first().map_or("NAME", String::as_str)
+    )]
+    Open {
+        /// The first file of the aircraft.
+        file: PathBuf,
+        /// Names of the inputs.
+        names: Vec<String>,
+    },
+    /// Models in DAVE-ML need each other's variables in a circle.
+    #[error("{}: each of these models needs a variable of another: {}", file.display(), models.join(", "))]
+    Circle {
+        /// The first file of the aircraft.
+        file: PathBuf,
+        /// Names of the models.
+        models: Vec<String>,
+    },
+    /// A folder in which there are models in DAVE-ML and nothing else that flies.
+    #[error(
+        "{}: the folder has models in DAVE-ML, and which of them make an aircraft it does not say: name the file with the \
+         aerodynamics, and the others with --with FILE (`with` in a scenario)",
+        folder.display()
+    )]
+    Models {
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// The F-16 of NASA TP-1538 cannot be made.
+    #[error(transparent)]
+    Tp1538(#[from] Tp1538Error),
     /// An option that the aircraft of this file does not have.
     #[error("{}: `{option}` has no meaning for {aircraft}", file.display())]
     Option {
@@ -35,7 +119,8 @@ pub enum FlownError {
         aircraft: &'static str,
     },
     /// The file is of no kind that is known.
-    #[error("{}: the file begins with <{root}>; aircraft of JSBSim begin with <fdm_config>", file.display())]
+    #[error("{}: the file begins with <{root}>; aircraft of JSBSim begin with <fdm_config>, models in DAVE-ML with \
+             <DAVEfunc>", file.display())]
     UnknownKind {
         /// The file.
         file: PathBuf,

@@ -4,7 +4,6 @@ mod aerodynamics;
 mod drive;
 mod expansion;
 mod notes;
-mod pool;
 mod start;
 
 use std::path::Path;

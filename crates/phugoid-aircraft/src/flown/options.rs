@@ -1,5 +1,7 @@
 //! What is to be known of an aircraft beside its files.
 
+use std::path::PathBuf;
+
 use super::error::FlownError;
 use crate::transport::Damage;
 
@@ -28,8 +30,11 @@ pub struct FlownOptions {
     /// What the thrust and its moments are multiplied by; not negative, 1 by default.
     pub thrust_scale: f64,
     /// Properties by name with their values in the units of JSBSim, set once: contents of tanks, flaps, gear. By default the
-    /// gear is up (`gear/gear-pos-norm` is 0).
+    /// gear is up (`gear/gear-pos-norm` is 0). Of an aircraft in DAVE-ML: variables by name or identifier, in the unit of the
+    /// file; sizes, mass and inertia that no file has by their standard names, in SI ([`FlownDaveml`](super::FlownDaveml)).
     pub properties: Vec<(String, f64)>,
+    /// Further files of an aircraft in DAVE-ML, in any order: models of mass and inertia or of the engine; none by default.
+    pub with: Vec<PathBuf>,
     /// Damage, which the Generic Transport Model alone has; none by default.
     pub damage: Damage,
 }
@@ -41,6 +46,7 @@ impl Default for FlownOptions {
             thrust: Thrust::Engines,
             thrust_scale: 1.0,
             properties: Vec::new(),
+            with: Vec::new(),
             damage: Damage::None,
         }
     }

@@ -8,7 +8,7 @@ use crate::jsbsim::{Aircraft, Follower, Scaling};
 /// Time constant of a surface behind its command, s: an assumption, the same for every aircraft.
 pub(super) const LAG_S: f64 = 0.05;
 /// Largest deflection where the files give none, rad.
-const UNKNOWN_LIMIT: f64 = 60.0 * DEGREE;
+pub(super) const UNKNOWN_LIMIT: f64 = 60.0 * DEGREE;
 const DEGREE: f64 = std::f64::consts::PI / 180.0;
 
 /// One surface: the properties that follow it, and its actuator.

@@ -4,7 +4,7 @@ use phugoid_flight_dynamics::scalar::Scalar;
 
 /// Points in increasing order, at least two.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Axis {
+pub(crate) struct Axis {
     points: Vec<f64>,
 }
 
@@ -13,7 +13,7 @@ pub(super) struct Axis {
 /// Two points as a rule. On an inner point the derivative of a piecewise linear function jumps; derivatives (of dual
 /// numbers) are there the mean of those on both sides, which takes three points.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Place<T> {
+pub(crate) struct Place<T> {
     first: usize,
     count: usize,
     weights: [T; 3],
@@ -21,29 +21,29 @@ pub(super) struct Place<T> {
 
 impl Axis {
     /// The axis through these points; `None` if they are fewer than two, not finite, or do not increase.
-    pub(super) fn new(points: Vec<f64>) -> Option<Self> {
+    pub(crate) fn new(points: Vec<f64>) -> Option<Self> {
         let increasing = points.windows(2).all(|pair| pair[0] < pair[1]);
         (points.len() >= 2 && increasing && points.iter().all(|x| x.is_finite())).then_some(Self { points })
     }
 
-    pub(super) fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.points.len()
     }
 
     /// A point by its index, which has to be below the length.
-    pub(super) fn point(&self, index: usize) -> f64 {
+    pub(crate) fn point(&self, index: usize) -> f64 {
         self.points[index]
     }
 
     /// Lowest and highest point.
-    pub(super) fn ends(&self) -> [f64; 2] {
+    pub(crate) fn ends(&self) -> [f64; 2] {
         [self.points[0], self.points[self.points.len() - 1]]
     }
 
     /// The place of a value. Beyond the ends the outermost segment is extrapolated. A value that is no number has weights
     /// that are none.
     #[inline]
-    pub(super) fn place<T: Scalar>(&self, value: T) -> Place<T> {
+    pub(crate) fn place<T: Scalar>(&self, value: T) -> Place<T> {
         let points = &self.points[..];
         let real = value.real();
         let last = points.len() - 2;
@@ -65,7 +65,7 @@ impl Axis {
 
     /// The place of a value, or of the nearest end if the value lies beyond it.
     #[inline]
-    pub(super) fn place_within<T: Scalar>(&self, value: T) -> Place<T> {
+    pub(crate) fn place_within<T: Scalar>(&self, value: T) -> Place<T> {
         let [low, high] = self.ends();
         let real = value.real();
         self.place(if real < low {
@@ -96,7 +96,7 @@ fn add<T: Scalar, const K: usize>(sum: &mut [T; K], row: &[f64; K], weight: T) {
 
 /// A table of `K` components over one axis.
 #[inline]
-pub(super) fn blend_1<T: Scalar, const K: usize>(data: &[[f64; K]], a: &Place<T>) -> [T; K] {
+pub(crate) fn blend_1<T: Scalar, const K: usize>(data: &[[f64; K]], a: &Place<T>) -> [T; K] {
     let mut sum = [T::from(0.0); K];
     for (i, weight) in a.points() {
         add(&mut sum, &data[i], weight);
@@ -106,7 +106,7 @@ pub(super) fn blend_1<T: Scalar, const K: usize>(data: &[[f64; K]], a: &Place<T>
 
 /// Over two axes; `columns` is the length of the second.
 #[inline]
-pub(super) fn blend_2<T: Scalar, const K: usize>(
+pub(crate) fn blend_2<T: Scalar, const K: usize>(
     data: &[[f64; K]],
     columns: usize,
     a: &Place<T>,
@@ -123,7 +123,7 @@ pub(super) fn blend_2<T: Scalar, const K: usize>(
 
 /// Over three axes; `columns` and `layers` are the lengths of the second and the third.
 #[inline]
-pub(super) fn blend_3<T: Scalar, const K: usize>(
+pub(crate) fn blend_3<T: Scalar, const K: usize>(
     data: &[[f64; K]],
     [columns, layers]: [usize; 2],
     a: &Place<T>,

@@ -14,14 +14,14 @@ const MOST_BYTES: u64 = 4 << 20;
 const EXCERPT: usize = 60;
 
 /// A JSON file.
-pub(super) struct Document {
+pub(crate) struct Document {
     file: PathBuf,
     root: Value,
 }
 
 impl Document {
     /// Reads and parses a file.
-    pub(super) fn open(file: PathBuf) -> Result<Self, TransportError> {
+    pub(crate) fn open(file: PathBuf) -> Result<Self, TransportError> {
         let read_error = |source| TransportError::Read { file: file.clone(), source };
         let mut bytes = Vec::new();
         let opened = std::fs::File::open(&file).map_err(read_error)?;
@@ -36,14 +36,14 @@ impl Document {
     }
 
     /// The outermost value.
-    pub(super) fn root(&self) -> Node<'_> {
+    pub(crate) fn root(&self) -> Node<'_> {
         Node { file: &self.file, key: String::new(), value: &self.root }
     }
 }
 
 /// A value of a file and where it is.
 #[derive(Clone)]
-pub(super) struct Node<'a> {
+pub(crate) struct Node<'a> {
     file: &'a Path,
     key: String,
     value: &'a Value,
@@ -51,13 +51,13 @@ pub(super) struct Node<'a> {
 
 impl<'a> Node<'a> {
     /// An error about this value.
-    pub(super) fn error(&self, problem: impl Into<String>) -> TransportError {
+    pub(crate) fn error(&self, problem: impl Into<String>) -> TransportError {
         let key = if self.key.is_empty() { "the whole file".to_owned() } else { self.key.clone() };
         TransportError::Content { file: self.file.into(), key, problem: problem.into() }
     }
 
     /// The value of a key of this object.
-    pub(super) fn get(&self, key: &str) -> Result<Node<'a>, TransportError> {
+    pub(crate) fn get(&self, key: &str) -> Result<Node<'a>, TransportError> {
         let here = if self.key.is_empty() { key.to_owned() } else { format!("{}.{key}", self.key) };
         match self.value.get(key) {
             Some(value) => Ok(Node { file: self.file, key: here, value }),
@@ -66,30 +66,30 @@ impl<'a> Node<'a> {
     }
 
     /// A finite number.
-    pub(super) fn number(&self) -> Result<f64, TransportError> {
+    pub(crate) fn number(&self) -> Result<f64, TransportError> {
         self.value.as_f64().filter(|x| x.is_finite()).ok_or_else(|| self.error("expected a finite number"))
     }
 
     /// A positive number.
-    pub(super) fn positive(&self) -> Result<f64, TransportError> {
+    pub(crate) fn positive(&self) -> Result<f64, TransportError> {
         let x = self.number()?;
         if x > 0.0 { Ok(x) } else { Err(self.error(format!("is {x}, expected a positive number"))) }
     }
 
     /// A string.
-    pub(super) fn text(&self) -> Result<&'a str, TransportError> {
+    pub(crate) fn text(&self) -> Result<&'a str, TransportError> {
         self.value.as_str().ok_or_else(|| self.error("expected a string"))
     }
 
     /// The items of an array.
-    pub(super) fn items(&self) -> Result<Vec<Node<'a>>, TransportError> {
+    pub(crate) fn items(&self) -> Result<Vec<Node<'a>>, TransportError> {
         let items = self.value.as_array().ok_or_else(|| self.error("expected an array"))?;
         let node = |(i, value)| Node { file: self.file, key: format!("{}[{i}]", self.key), value };
         Ok(items.iter().enumerate().map(node).collect())
     }
 
     /// An array of finite numbers, without a place of its own for each until one is wrong.
-    pub(super) fn numbers(&self) -> Result<Vec<f64>, TransportError> {
+    pub(crate) fn numbers(&self) -> Result<Vec<f64>, TransportError> {
         let items = self.value.as_array().ok_or_else(|| self.error("expected an array of numbers"))?;
         let number = |(i, value): (usize, &'a Value)| {
             Node { file: self.file, key: format!("{}[{i}]", self.key), value }.number()
@@ -102,14 +102,14 @@ impl<'a> Node<'a> {
     }
 
     /// An array of exactly `N` finite numbers.
-    pub(super) fn vector<const N: usize>(&self) -> Result<[f64; N], TransportError> {
+    pub(crate) fn vector<const N: usize>(&self) -> Result<[f64; N], TransportError> {
         let numbers = self.numbers()?;
         let found = numbers.len();
         numbers.try_into().map_err(|_| self.error(format!("has {found} numbers, expected {N}")))
     }
 
     /// Checks that an array holds these strings in this order.
-    pub(super) fn expect_texts(&self, expected: &[&str]) -> Result<(), TransportError> {
+    pub(crate) fn expect_texts(&self, expected: &[&str]) -> Result<(), TransportError> {
         let items = self.items()?;
         if items.len() != expected.len() {
             return Err(self.error(format!("has {} entries, expected {}", items.len(), expected.len())));
@@ -128,7 +128,7 @@ impl<'a> Node<'a> {
 }
 
 /// What an axis of a table has to be.
-pub(super) enum Expected<'a> {
+pub(crate) enum Expected<'a> {
     /// Increasing numbers, in the unit of the file times a factor.
     Numbers(f64),
     /// These words.
@@ -136,15 +136,15 @@ pub(super) enum Expected<'a> {
 }
 
 /// A table with `K` components: its numeric axes in order and its data, the last axis fastest.
-pub(super) struct Table<const K: usize> {
+pub(crate) struct Table<const K: usize> {
     /// Axes of numbers; those of words have a fixed length.
-    pub(super) axes: Vec<Axis>,
-    pub(super) data: Vec<[f64; K]>,
+    pub(crate) axes: Vec<Axis>,
+    pub(crate) data: Vec<[f64; K]>,
 }
 
 impl<const K: usize> Table<K> {
     /// Reads `folder/tables/name.json`, which has to have these axes and components.
-    pub(super) fn read(
+    pub(crate) fn read(
         folder: &Path,
         name: &str,
         axes: &[(&str, Expected<'_>)],

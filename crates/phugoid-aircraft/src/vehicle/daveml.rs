@@ -8,42 +8,11 @@ use phugoid_flight_dynamics::globe::vector::{Vector, add, cross, scale};
 use phugoid_flight_dynamics::mass::MassProperties;
 
 use super::Schedule;
+use super::error::VehicleError;
+use super::named::{
+    ABOUT, ALONG, FORCE, LENGTH, MOMENT, NUMBER, Names, Output, PRESSURE, RATE, SPEED, any_unit, missing, unit,
+};
 use crate::daveml::{Evaluator, Model, Unit};
-
-/// Why models do not make a vehicle.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
-pub enum VehicleError {
-    /// No model has an output of this name.
-    #[error("no model has a variable named {name}")]
-    Missing {
-        /// Standard name of the variable.
-        name: String,
-    },
-    /// An input is neither a quantity of the flight, nor an output of another model, nor given, and has no value of its own.
-    #[error("the input {name} is no quantity of the flight that is known, no output of a model before, and not given")]
-    Open {
-        /// Name of the input.
-        name: String,
-    },
-    /// No model has a variable of this name that can be set.
-    #[error("no model has a variable named {name} that can be set")]
-    NotSettable {
-        /// Name that was given.
-        name: String,
-    },
-    /// The unit of a variable is not known or of another kind than the quantity.
-    #[error("{name}: the unit `{units}` does not suit it")]
-    Unit {
-        /// Name of the variable.
-        name: String,
-        /// Its unit.
-        units: String,
-    },
-    /// Mass or inertia are not positive.
-    #[error("mass or inertia are not positive")]
-    Mass,
-}
 
 /// Where an input comes from.
 #[derive(Clone, Copy, Debug)]
@@ -54,14 +23,6 @@ enum Source {
     Output(Output),
     /// A number that was given, by its place, in the unit of the variable.
     Given(usize),
-}
-
-/// A variable of a model.
-#[derive(Clone, Copy, Debug)]
-struct Output {
-    part: usize,
-    position: usize,
-    unit: Unit,
 }
 
 #[derive(Clone, Debug)]
@@ -78,15 +39,6 @@ struct Part {
 }
 
 type Quantity = fn(&Condition) -> f64;
-
-/// Dimension of a length over a time, as in [`Unit::dimension`].
-const SPEED: [i8; 5] = [1, 0, -1, 0, 0];
-const RATE: [i8; 5] = [0, 0, -1, 0, 0];
-const LENGTH: [i8; 5] = [1, 0, 0, 0, 0];
-const NUMBER: [i8; 5] = [0; 5];
-const PRESSURE: [i8; 5] = [-1, 1, -2, 0, 0];
-const FORCE: [i8; 5] = [1, 1, -2, 0, 0];
-const MOMENT: [i8; 5] = [2, 1, -2, 0, 0];
 
 /// Quantities of the flight by the names of S-119, compared without regard to capitals.
 const QUANTITIES: [(&str, [i8; 5], Quantity); 23] = [
@@ -155,53 +107,6 @@ pub struct DavemlVehicle {
     chord: f64,
     arm: Vector,
     uses_angle_rates: bool,
-}
-
-/// Finds outputs by their standard names.
-struct Names<'a> {
-    models: &'a [Model],
-}
-
-impl Names<'_> {
-    /// The last variable with this name that is an output, or else of this name at all.
-    fn find(&self, name: &str, dimension: [i8; 5]) -> Result<Option<Output>, VehicleError> {
-        for marked in [true, false] {
-            for (part, model) in self.models.iter().enumerate().rev() {
-                let suits =
-                    |v: &&crate::daveml::Variable| v.name.eq_ignore_ascii_case(name) && (v.is_output || !marked);
-                let Some(variable) = model.variables().iter().find(suits) else { continue };
-                let position = model.position(&variable.id).map_err(|_| missing(name))?;
-                return Ok(Some(Output { part, position, unit: unit(name, &variable.units, dimension)? }));
-            }
-        }
-        Ok(None)
-    }
-
-    fn need(&self, name: &str, dimension: [i8; 5]) -> Result<Output, VehicleError> {
-        self.find(name, dimension)?.ok_or_else(|| missing(name))
-    }
-
-    fn axes(&self, start: &str, axes: [&str; 3], dimension: [i8; 5]) -> Result<[Option<Output>; 3], VehicleError> {
-        let [x, y, z] = axes.map(|axis| self.find(&format!("{start}_{axis}"), dimension));
-        Ok([x?, y?, z?])
-    }
-}
-
-const ALONG: [&str; 3] = ["X", "Y", "Z"];
-const ABOUT: [&str; 3] = ["Roll", "Pitch", "Yaw"];
-
-fn missing(name: &str) -> VehicleError {
-    VehicleError::Missing { name: name.to_owned() }
-}
-
-fn unit(name: &str, units: &str, dimension: [i8; 5]) -> Result<Unit, VehicleError> {
-    let found = Unit::parse(units).filter(|unit| unit.dimension == dimension);
-    found.ok_or_else(|| VehicleError::Unit { name: name.to_owned(), units: units.to_owned() })
-}
-
-/// A unit by its text, whatever its kind; of an unknown one the numbers stay as they are.
-fn any_unit(units: &str) -> Unit {
-    Unit::parse(units).unwrap_or(Unit { factor: 1.0, offset: 0.0, dimension: NUMBER })
 }
 
 impl DavemlVehicle {

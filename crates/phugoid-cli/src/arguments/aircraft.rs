@@ -17,7 +17,8 @@ pub(crate) enum TablesName {
 #[derive(Debug, Args)]
 pub(crate) struct AircraftChoice {
     /// Aircraft: f16 (Stevens & Lewis), a model file, the name of a built-in model (hfb320), the file or folder of an
-    /// aircraft of JSBSim, or the folder of NASA's Generic Transport Model
+    /// aircraft of JSBSim, a model in DAVE-ML (.dml), or the folder of NASA's Generic Transport Model or
+    /// of the F-16 of NASA TP-1538
     #[arg(long, value_name = "NAME|FILE", default_value = "f16")]
     pub(crate) aircraft: String,
     /// Aerodynamic tables of the F-16 [default: book]
@@ -29,10 +30,15 @@ pub(crate) struct AircraftChoice {
     /// Damage of the Generic Transport Model, for example left-stabiliser-off
     #[arg(long, value_name = "DAMAGE", value_parser = damage)]
     pub(crate) damaged: Option<Damage>,
-    /// Property of an aircraft of JSBSim, in its units, for example fcs/flap-pos-deg=10; may be repeated
+    /// Further file of an aircraft in DAVE-ML: mass and inertia, engine; may be repeated
+    #[arg(long = "with", value_name = "FILE")]
+    pub(crate) with: Vec<std::path::PathBuf>,
+    /// Property of an aircraft of JSBSim, in its units, for example fcs/flap-pos-deg=10; in DAVE-ML a variable in the unit of its
+    /// file, or mass, inertia or a size that no file has, in SI, for example totalMass=9300; of the F-16 of
+    /// NASA TP-1538 cg; may be repeated
     #[arg(long = "property", value_name = "NAME=VALUE", value_parser = property)]
     pub(crate) properties: Vec<(String, f64)>,
-    /// Thrust at full throttle of an aircraft of JSBSim, along body x, in place of its engines
+    /// Thrust at full throttle of an aircraft of JSBSim or in DAVE-ML, along body x, in place of its engines
     #[arg(long, value_name = "FORCE")]
     pub(crate) largest_thrust: Option<Force>,
 }

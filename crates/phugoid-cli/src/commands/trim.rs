@@ -77,10 +77,13 @@ fn opened(choice: &AircraftChoice) -> Result<AnyAircraft, Failure> {
     };
     if wanted == AircraftName::F16.word() {
         if !choice.properties.is_empty() {
-            return refuse("--property", "an aircraft of JSBSim");
+            return refuse("--property", "an aircraft of JSBSim or in DAVE-ML");
         }
         if choice.largest_thrust.is_some() {
-            return refuse("--largest-thrust", "an aircraft of JSBSim");
+            return refuse("--largest-thrust", "an aircraft of JSBSim or in DAVE-ML");
+        }
+        if !choice.with.is_empty() {
+            return refuse("--with", "an aircraft in DAVE-ML");
         }
         if choice.damaged.is_some() {
             return refuse("--damaged", "the Generic Transport Model");
@@ -99,7 +102,13 @@ fn opened(choice: &AircraftChoice) -> Result<AnyAircraft, Failure> {
     }
     let thrust = choice.largest_thrust.map_or(Thrust::Engines, |force| Thrust::AlongBodyX { largest_n: force.si() });
     let damage = choice.damaged.unwrap_or_default();
-    let options = FlownOptions { thrust, properties: choice.properties.clone(), damage, ..FlownOptions::default() };
+    let options = FlownOptions {
+        thrust,
+        properties: choice.properties.clone(),
+        with: choice.with.clone(),
+        damage,
+        ..FlownOptions::default()
+    };
     AnyAircraft::open(wanted, &options).map_err(|error| not_opened(wanted, &error))
 }
 
@@ -113,7 +122,8 @@ fn not_opened(wanted: &str, error: &AircraftError) -> Failure {
     }
     Failure::input(format!(
         "{error}\n`{wanted}` is neither f16, nor a built-in model, nor a file or a folder: --aircraft takes a model file \
-         (.toml), an aircraft of JSBSim (its folder, or the XML file in it), or the folder of NASA's Generic Transport Model"
+         (.toml), an aircraft of JSBSim (its folder, or the XML file in it), a model in DAVE-ML (.dml), or the folder of NASA's \
+         Generic Transport Model"
     ))
 }
 

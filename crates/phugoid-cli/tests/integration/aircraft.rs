@@ -208,3 +208,60 @@ fn the_transport_loses_a_stabiliser() {
     let run = phugoid(&folder.0, &["simulate", "flight.toml", "--out", "flight"]);
     assert!(run.code == Some(3) && run.err.contains("did you mean `left-stabiliser-off`"), "{}", run.err);
 }
+
+/// The F-16 of NASA's files in DAVE-ML and of its tables, flown, and estimated as increments to the first.
+#[test]
+fn aircraft_in_daveml_and_of_tables_are_trimmed_flown_and_estimated() {
+    let file = |name: &str| shared_file(&format!("checks/daveml_s119/{name}"));
+    let (Some(aero), Some(inertia), Some(engine)) =
+        (file("F16_aero.dml"), file("F16_inertia.dml"), file("F16_prop.dml"))
+    else {
+        return;
+    };
+    let folder = Folder::new("aircraft-daveml");
+    let name = aero.to_str().unwrap();
+    let level = ["--altitude", "6096m", "--speed", "205.74m/s"];
+    let run = phugoid(&folder.0, &[["trim", "--aircraft", name].as_slice(), &level].concat());
+    assert!(
+        run.code == Some(3) && run.err.contains("totalMass (kg)") && run.err.contains("--with FILE"),
+        "{}",
+        run.err
+    );
+    let with = ["--with", inertia.to_str().unwrap(), "--with", engine.to_str().unwrap()];
+    let property = ["--property", "vrsPositionOfCM=30"];
+    let all = [["linearize", "--aircraft", name].as_slice(), &with, &property, &level, &["--json"]].concat();
+    let run = phugoid(&folder.0, &all);
+    assert_eq!(run.code, Some(0), "{}", run.err);
+    let alpha = run.json()["trim"]["alpha_rad"].as_f64().unwrap().to_degrees();
+    assert!((alpha - 2.39).abs() < 0.02, "{alpha}");
+
+    let scenario = format!(
+        "name = \"F-16 in DAVE-ML\"\nduration = \"12 s\"\nsample_rate = \"50 Hz\"\n[aircraft]\nfile = {aero:?}\nwith = [{inertia:?}, \
+         {engine:?}]\nproperties = {{ vrsPositionOfCM = 30.0 }}\n[condition]\naltitude = \"6096 m\"\nspeed = \"205.74 \
+         m/s\"\n[[manoeuvre]]\ntype = \"3-2-1-1\"\nsurface = \"elevator\"\nstart = \"0.5 s\"\nunit = \"0.5 s\"\namplitude = \"1 \
+         deg\"\n[increments]\ndCm_alpha = -0.2\n[sensors]\nq = {{ noise = \"0.1 deg/s\" }}\nalpha = {{ noise = \"0.1 deg\" }}\n"
+    );
+    std::fs::write(folder.0.join("scenario.toml"), scenario).unwrap();
+    let run = phugoid(&folder.0, &["simulate", "scenario.toml", "--out", "flight"]);
+    assert_eq!(run.code, Some(0), "{}", run.err);
+    let model = format!(
+        "axes = [\"longitudinal\"]\ninput = \"held\"\n[base]\nfile = {aero:?}\nwith = [{inertia:?}, \
+         {engine:?}]\n[base.properties]\nvrsPositionOfCM = 30.0\n[aircraft]\nthrust = {{ channel = \"thrust\" }}\nair_density = \
+         \"standard_atmosphere\"\nreference_speed = 205.74\n[coefficients]\nCm = [\"alpha\"]\n[reference]\naltitude = \
+         6096\n[parameters]\ndCm_alpha = {{ bounds = [-1, 1] }}\n"
+    );
+    std::fs::write(folder.0.join("model.toml"), model).unwrap();
+    let run = phugoid(&folder.0, &["estimate", "flight/measured.csv", "--model", "model.toml", "--json"]);
+    assert!(matches!(run.code, Some(0 | 5)), "{}", run.err);
+    let found = run.json()["parameters"][0]["value"].as_f64().unwrap();
+    assert!((found + 0.2).abs() < 0.01, "{found}");
+
+    let Some(tables) = shared_file("f16/tp1538/tp1538_tables.json") else { return };
+    let at = ["--property", "cg=0.30", "--altitude", "15000ft", "--speed", "500ft/s", "--json"];
+    let run = phugoid(
+        &folder.0,
+        &[["trim", "--aircraft", tables.parent().unwrap().to_str().unwrap()].as_slice(), &at].concat(),
+    );
+    assert_eq!(run.code, Some(0), "{}", run.err);
+    assert!(run.json()["cg"] == 0.30 && run.json()["aircraft"] == "F-16 of NASA TP-1538", "{}", run.out);
+}

@@ -113,7 +113,7 @@ impl<'a> Identified<'a> {
     pub(super) fn absolute(&self, form: &'static str) -> Result<(), ExportError> {
         match self.model.base {
             Base::None => Ok(()),
-            Base::F16 => Err(ExportError::Increments(self.model.name.clone(), form)),
+            Base::F16 | Base::Aircraft => Err(ExportError::Increments(self.model.name.clone(), form)),
         }
     }
 

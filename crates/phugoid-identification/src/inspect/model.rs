@@ -117,7 +117,7 @@ fn segment(manoeuvres: Vec<usize>, records: &[Record], model: &ModelFile) -> Seg
 fn judge(bound: PredictedParameter, base: Base) -> ParameterSupport {
     let scale = match base {
         Base::None => bound.value.abs(),
-        Base::F16 => bound.prior_std,
+        Base::F16 | Base::Aircraft => bound.prior_std,
     };
     let [expected, declared, at_best] =
         [bound.expected_std_error, bound.systematic_std, bound.std_error].map(|std_error| 2.0 * std_error / scale);

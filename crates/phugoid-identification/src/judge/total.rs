@@ -51,6 +51,13 @@ pub(crate) fn totals<M: Motion<N, R>, const N: usize, const R: usize>(
     let Ok(database) = database(file) else { return Vec::new() };
     let flown = VARIABLES.map(|variable| in_flight::<M, N, R>(prepared, file, variable));
     let reference = [prepared.reference.alpha, 0.0, prepared.reference.elevator];
+    // An aircraft of a file asks for the air as well.
+    let row = M::AXES.row(Output::TrueAirspeed);
+    let mut speeds: Vec<f64> = row.map_or(Vec::new(), |row| prepared.outputs.iter().map(|y| y[row]).collect());
+    speeds.retain(|speed| speed.is_finite());
+    let speed = file.aircraft.reference_speed.or_else(|| median(&mut speeds)).unwrap_or(f64::NAN);
+    let recorded = prepared.known.iter().find(|signal| signal.name == "air_density");
+    let density = recorded.and_then(|signal| median(&mut signal.values.clone())).unwrap_or(f64::NAN);
     let of = |result: &ParameterResult| {
         let parameter = file.parameters.iter().find(|p| p.name == result.name)?;
         let Role::Term(coefficient, term) = &parameter.role else { return None };
@@ -68,7 +75,7 @@ pub(crate) fn totals<M: Motion<N, R>, const N: usize, const R: usize>(
             let mut at = reference;
             at[place] = value * flown[place].actual;
             let [alpha, q_hat, elevator] = at;
-            database.coefficients(alpha, q_hat, elevator)[row]
+            database.coefficients(speed, density, alpha, q_hat, elevator)[row]
         };
         let table = Secant::over(&flown[place].values, reference[place], at)?;
         let name = format!("{}_{}", coefficient.symbol(), VARIABLES[place].short_name());

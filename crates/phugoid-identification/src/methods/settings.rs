@@ -149,7 +149,7 @@ fn prior(parameter: &Parameter, base: Base) -> ParameterPrior {
     let change_std = match (parameter.change_std, base) {
         _ if parameter.is_nuisance() => ChangePrior::None,
         (Some(std), _) => ChangePrior::Fixed(std),
-        (None, Base::F16) => ChangePrior::Fixed(quarter.min(parameter.prior_std)),
+        (None, Base::F16 | Base::Aircraft) => ChangePrior::Fixed(quarter.min(parameter.prior_std)),
         // In absolute form a sudden change is of the order of half the parameter, not of the start prior.
         (None, Base::None) => ChangePrior::Relative { fraction: 0.5, maximum: quarter },
     };

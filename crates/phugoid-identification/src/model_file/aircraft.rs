@@ -7,7 +7,13 @@ pub enum Base {
     None,
     /// The F-16 of Stevens & Lewis; the build-up is made of increments about the reference point.
     F16,
+    /// An aircraft of a file, [`ModelFile::known`](super::ModelFile::known); the build-up is made of increments about the
+    /// reference point.
+    Aircraft,
 }
+
+/// Acceleration of gravity where nobody says it, m/s^2.
+pub(super) const STANDARD_GRAVITY: f64 = 9.80665;
 
 /// The speed that normalises the pitch rate, `q_hat = q cbar / (2 V)`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

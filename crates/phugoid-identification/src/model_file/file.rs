@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use phugoid_flight_data::table::ColumnMapping;
 
 use super::aircraft::{AirDensity, AircraftData, Base, RateSpeed, Reference, Source, Thrust};
+use super::known::KnownAircraft;
 use super::parameter::{Expectation, Parameter, Role};
 use super::settings::{EstimatorTuning, InputHold, ProcessNoise};
 use super::simulation::SimulationData;
@@ -25,6 +26,8 @@ pub struct ModelFile {
     pub axes: Axes,
     /// Database that the estimated terms are added to, if there is one.
     pub base: Base,
+    /// The aircraft of [`Base::Aircraft`]; none with any other base.
+    pub known: Option<KnownAircraft>,
     /// The airspeed that makes the angular rates dimensionless: the actual one or the reference speed.
     pub rate_speed: RateSpeed,
     /// Mass, inertia, sizes, thrust and air of the aircraft.

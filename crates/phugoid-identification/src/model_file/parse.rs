@@ -20,6 +20,7 @@ use super::aircraft::{AirDensity, Base, RateSpeed, Reference, ReferenceValue, So
 use super::error::ModelFileError;
 use super::expected::expected;
 use super::file::ModelFile;
+use super::known::base;
 use super::parameter::Role;
 use super::section::{Section, Source as Text};
 use super::settings::{EstimatorTuning, InputHold};
@@ -78,6 +79,8 @@ impl ModelFile {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
+    /// A `base` that is a path is read from there, relative to the folder of `file`.
+    ///
     /// # Errors
     /// The first thing found wrong, with file, line, column, key and the nearest valid word.
     pub fn parse(file: &str, text: &str) -> Result<Self, ModelFileError> {
@@ -97,12 +100,9 @@ fn parse(file: &str, text: &str) -> Result<ModelFile, ModelFileError> {
     let (change_detection, notes) = change_detection(&top, former)?;
     let axes = axes(&top)?;
 
-    let base = match top.word("base", &["none", "f16"])? {
-        Some("f16") => Base::F16,
-        _ => Base::None,
-    };
+    let (base, known) = base(&top)?;
     let extra_inputs = extra_inputs(&top, axes)?;
-    let aircraft = aircraft(&top, base, axes)?;
+    let aircraft = aircraft(&top, base, known.as_ref(), axes)?;
     let rate_speed = match top.word("rate_speed", &["actual", "reference"])? {
         Some("reference") => RateSpeed::Reference,
         _ => RateSpeed::Actual,
@@ -123,6 +123,7 @@ fn parse(file: &str, text: &str) -> Result<ModelFile, ModelFileError> {
         name: top.string("name")?.unwrap_or(file).to_owned(),
         axes,
         base,
+        known,
         rate_speed,
         channels: channels(&top, &extra_inputs)?,
         outputs,
@@ -247,7 +248,7 @@ fn reference(top: &Section, base: Base) -> Result<Reference, ModelFileError> {
     let value = |key: &str| -> Result<ReferenceValue, ModelFileError> {
         match section.get(key).and_then(|v| v.get_ref().as_str()) {
             Some("trim") if base == Base::None => {
-                Err(section.error(key, "\"trim\" needs a database (base = \"f16\"): give a value or \"first_sample\""))
+                Err(section.error(key, "\"trim\" needs a database (base = \"f16\", or the path of an aircraft): give a value or \"first_sample\""))
             }
             Some("trim") => Ok(ReferenceValue::Trim),
             Some("first_sample") => Ok(ReferenceValue::FirstSample),

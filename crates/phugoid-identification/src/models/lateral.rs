@@ -137,7 +137,7 @@ impl LateralModel {
         let [beta, phi, p, r] = *x;
         let Measured { speed, alpha } = *measured;
         let rates = [p, T::from(u.q), r];
-        let air = Air { speed, alpha, beta, rates };
+        let air = Air { speed, alpha, beta, rates, density: T::from(u.air_density), mach: None };
         let angles = Angles::of(air.alpha, beta, phi, T::from(u.theta));
         let variables = self.aerodynamics.variables(&air, deflections, &u.surfaces.extra);
         let coefficients =

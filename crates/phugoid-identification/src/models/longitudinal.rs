@@ -6,13 +6,13 @@ mod terms;
 
 use alpha_rate::AlphaRateTerms;
 use phugoid_estimators::{Input, LinearizedOutputs, LinearizedRates, Model};
-use phugoid_flight_dynamics::f16::F16;
 use phugoid_flight_dynamics::longitudinal::{
     LongitudinalLoads, LongitudinalMotion, LongitudinalState, longitudinal_motion,
 };
 use phugoid_flight_dynamics::scalar::{Dual, Scalar};
 use terms::{FACTORS, ONE, QuickTerm, Variables, short};
 
+pub use super::database::Database;
 use crate::core::scaling::ScalingPowers;
 use crate::core::term::{Coefficient, EXTRA_INPUTS, Term};
 
@@ -72,31 +72,6 @@ impl Input for LongitudinalInput {
             iyy: between(self.iyy, other.iyy),
             extra: std::array::from_fn(|i| control(self.extra[i], other.extra[i])),
             controls_held: self.controls_held,
-        }
-    }
-}
-
-/// The known part of the aerodynamic coefficients, to which the terms of the model file are added.
-#[derive(Clone, Debug)]
-pub enum Database {
-    /// None: the terms are the whole build-up.
-    None,
-    /// The F-16 of Stevens & Lewis, with its centre of gravity.
-    F16(Box<F16>),
-}
-
-impl Database {
-    /// `(CL, CD, Cm)` from the angle of attack (rad), `q cbar/2V` with the actual speed, and the elevator (rad).
-    #[inline(always)]
-    pub(crate) fn coefficients<T: Scalar>(&self, alpha: T, q_hat: T, elevator: T) -> [T; 3] {
-        match self {
-            Self::None => [T::from(0.0); 3],
-            Self::F16(aircraft) => {
-                let (cx, cz, cm) = aircraft.longitudinal_coefficients(alpha, q_hat, elevator);
-                let (sin, cos) = alpha.sin_cos();
-                // Body axes to wind axes, without sideslip.
-                [cx * sin - cz * cos, -(cx * cos + cz * sin), cm]
-            }
         }
     }
 }
@@ -237,12 +212,13 @@ impl LongitudinalModel {
         factors
     }
 
-    /// `CL, CD, Cm` with the known and the estimated terms. `elevator` is for the database.
+    /// `CL, CD, Cm` with the known and the estimated terms. `density` (kg/m^3) and `elevator` are for the database.
     #[inline(always)]
     fn coefficients<T: Scalar, const P: usize>(
         &self,
         x: &[T; STATES],
         theta: &[f64; P],
+        density: f64,
         elevator: T,
         factors: &[T; FACTORS],
     ) -> [T; 3] {
@@ -250,7 +226,7 @@ impl LongitudinalModel {
             Database::None => [T::from(0.0); 3],
             ref database => {
                 let q_hat = x[3] * (0.5 * self.constants.mean_chord) / x[0];
-                database.coefficients(x[1], q_hat, elevator)
+                database.coefficients(x[0], density, x[1], q_hat, elevator)
             }
         };
         for (coefficient, term, value) in &self.known {
@@ -314,6 +290,18 @@ impl LongitudinalModel {
         let (sin_alpha, cos_alpha) = x[1].sin_cos();
         let (mut c, mut dc) = match &self.database {
             Database::None => ([0.0; 3], [[0.0; 3]; 3]),
+            Database::Aircraft(aircraft) => {
+                let [speed, alpha, q] = [0, 1, 3].map(|i: usize| x[i]);
+                let values = Database::in_plane(
+                    aircraft,
+                    Dual::<3>::variable(speed, 0),
+                    u.air_density,
+                    Dual::<3>::variable(alpha, 1),
+                    Dual::<3>::variable(q, 2),
+                    Dual::<3>::from(u.elevator),
+                );
+                (values.map(|value| value.value), values.map(|value| value.derivatives))
+            }
             Database::F16(aircraft) => {
                 // Derivatives with respect to alpha and q_hat, then q_hat = q cbar/2V.
                 let scale = 0.5 * self.constants.mean_chord / x[0];
@@ -377,7 +365,7 @@ impl<const P: usize> Model<STATES, OUTPUTS, P> for LongitudinalModel {
             return self.implicit_rates(terms, x, theta, u);
         }
         let factors = self.factors(x, u);
-        let coefficients = self.coefficients(x, theta, u.elevator, &factors);
+        let coefficients = self.coefficients(x, theta, u.air_density, u.elevator, &factors);
         to_array(&self.motion(x, u, coefficients).rates)
     }
 

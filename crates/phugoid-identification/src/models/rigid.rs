@@ -7,7 +7,7 @@ use phugoid_flight_dynamics::mass::MassProperties;
 use phugoid_flight_dynamics::scalar::Scalar;
 
 use crate::core::term::{Coefficient, EXTRA_INPUTS, FACTORS, Term, Variable};
-use crate::models::longitudinal::Database;
+use crate::models::database::{Database, InAir};
 
 /// Constants of the aircraft that the models of lateral-directional and of the whole motion need.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -134,6 +134,10 @@ pub(crate) struct Air<T> {
     pub(crate) beta: T,
     /// Body rates `[p, q, r]`, rad/s.
     pub(crate) rates: [T; 3],
+    /// Density of the air, kg/m^3, which the database of an aircraft of a file asks for.
+    pub(crate) density: T,
+    /// Mach number, likewise; none: that of the standard atmosphere where it has this density.
+    pub(crate) mach: Option<T>,
 }
 
 /// Aerodynamics: a database and a build-up of terms.
@@ -213,6 +217,11 @@ impl Aerodynamics {
                 let [elevator, aileron, rudder] = *deflections;
                 let controls = Controls { throttle: zero, elevator, aileron, rudder };
                 aircraft.coefficients_at(air.alpha, air.beta, hats, &controls)
+            }
+            Database::Aircraft(aircraft) => {
+                let Air { speed, alpha, beta, rates, density, mach } = *air;
+                InAir { speed, flow: [alpha, beta], density, mach, rates, deflections: *deflections }
+                    .coefficients(aircraft)
             }
         };
         let [lift, drag, pitch, side, roll, yaw] = self.sums(theta, variables);

@@ -92,7 +92,7 @@ impl SixModel {
         let c = &self.aerodynamics.constants;
         let [speed, alpha, beta, phi, pitch, p, q, r] = *x;
         let rates = [p, q, r];
-        let air = Air { speed, alpha, beta, rates };
+        let air = Air { speed, alpha, beta, rates, density: T::from(u.air_density), mach: None };
         let angles = Angles::of(alpha, beta, phi, pitch);
         let deflections = u.surfaces.deflections();
         let variables = self.aerodynamics.variables(&air, &deflections, &u.surfaces.extra);

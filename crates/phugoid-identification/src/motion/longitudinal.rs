@@ -1,11 +1,13 @@
 //! The longitudinal motion, as the estimation takes it.
 
 use phugoid_estimators::ConstantEffects;
+use phugoid_flight_dynamics::atmosphere::Atmosphere;
 
 use super::{Known, Motion, ReferencePoint, terms};
 use crate::core::axes::Axes;
 use crate::core::systematic::UncertainQuantity;
-use crate::model_file::{ModelFile, RateSpeed};
+use crate::core::term::{Coefficient, Term, Variable};
+use crate::model_file::{AirDensity, ModelFile, RateSpeed, Source};
 use crate::models::longitudinal::constants::CONSTANTS;
 use crate::models::longitudinal::{
     Database, LongitudinalConstants, LongitudinalInput, LongitudinalModel, OUTPUTS, STATES,
@@ -30,7 +32,8 @@ impl Motion<STATES, OUTPUTS> for LongitudinalModel {
             alpha_reference: reference.alpha,
             elevator_reference: reference.elevator,
         };
-        let (columns, known) = terms(file);
+        let (columns, mut known) = terms(file);
+        known.extend(alpha_rate_terms(file, &database, reference));
         Self::new(constants, database, columns, known)
     }
 
@@ -65,4 +68,25 @@ impl Motion<STATES, OUTPUTS> for LongitudinalModel {
     fn regressor_powers<const K: usize>(&self, x: &[f64; STATES], column: usize) -> [f64; K] {
         self.powers_of_constants(x, column)
     }
+}
+
+/// What a database has by the rate of the angle of attack, as known terms: its slopes at the reference point.
+fn alpha_rate_terms(
+    file: &ModelFile,
+    database: &Database,
+    reference: &ReferencePoint,
+) -> Vec<(Coefficient, Term, f64)> {
+    let aircraft = &file.aircraft;
+    // Slopes with this rate hardly follow the density, which matters for the Mach number alone.
+    let density = match (&aircraft.air_density, file.reference.altitude) {
+        (AirDensity::Known(Source::Constant(density)), _) => *density,
+        (_, altitude) => Atmosphere::Standard.at(altitude.unwrap_or(0.0)).density,
+    };
+    let speed = aircraft.reference_speed.unwrap_or(100.0);
+    let slopes = database.by_alpha_rate(speed, density, reference.alpha, reference.elevator);
+    let Ok(term) = Term::parse(Variable::AlphaRate.name(), &[]) else { return Vec::new() };
+    let coefficients = [Coefficient::Lift, Coefficient::Drag, Coefficient::PitchingMoment];
+    slopes.map_or(Vec::new(), |slopes| {
+        coefficients.into_iter().zip(slopes).map(|(coefficient, slope)| (coefficient, term.clone(), slope)).collect()
+    })
 }

@@ -1,5 +1,7 @@
 //! The whole motion, as the estimation takes it, and what the lateral-directional one has in common with it.
 
+use phugoid_flight_dynamics::aircraft::Aircraft as _;
+
 use super::{Known, Motion, ReferencePoint, terms};
 use crate::core::axes::Axes;
 use crate::model_file::{ModelFile, RateSpeed};
@@ -37,6 +39,7 @@ impl AircraftConstants {
             thrust_arm: aircraft.thrust_arm,
             rotor_momentum: match database {
                 Database::F16(known) if aircraft.rotor_momentum == 0.0 => known.mass_properties.rotor_momentum(),
+                Database::Aircraft(known) if aircraft.rotor_momentum == 0.0 => known.mass_properties().rotor_momentum(),
                 _ => aircraft.rotor_momentum,
             },
             reference_speed,

@@ -1,5 +1,7 @@
 //! Makes the arguments of the estimator of a model file and a record: the model, its inputs and the measured outputs.
 
+use std::sync::Arc;
+
 use phugoid_flight_data::record::Record;
 use phugoid_flight_data::statistics::{median, median_step};
 use phugoid_flight_dynamics::atmosphere::Atmosphere;
@@ -126,6 +128,13 @@ fn collect<M: Motion<N, R>, const N: usize, const R: usize>(
     }
     let mut notes = file.notes.clone();
     let database = database(file)?;
+    if M::AXES == Axes::All && database.by_alpha_rate(100.0, 1.0, 0.05, 0.0).is_some() {
+        return Err(EstimateError::Model(format!(
+            "{}: the coefficients of `base` follow the rate of the angle of attack, which the motion of all axes does not know: \
+             estimate with axes = [\"longitudinal\"], and with axes = [\"lateral\"] beside it",
+            file.source
+        )));
+    }
     let (inputs, trim) = known(record, file, &database)?;
     let mut known = Vec::with_capacity(inputs.len());
     for KnownInput { name, unit, origin } in &inputs {
@@ -238,6 +247,12 @@ pub fn database(file: &ModelFile) -> Result<Database, EstimateError> {
             let standard = F16Options::default();
             let options = F16Options { cg: file.aircraft.cg.unwrap_or(standard.cg), ..standard };
             Database::F16(Box::new(F16::new(options).map_err(|e| EstimateError::Model(e.to_string()))?))
+        }
+        Base::Aircraft => {
+            let known = file.known.as_ref().ok_or_else(|| {
+                EstimateError::Model(format!("{}: the aircraft of `base` was not read with the file", file.source))
+            })?;
+            Database::Aircraft(Arc::clone(known.aircraft()))
         }
     })
 }

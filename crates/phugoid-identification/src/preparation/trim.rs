@@ -70,7 +70,7 @@ pub fn level_trim(database: &Database, c: &TrimCondition) -> Result<LevelTrim, S
     // Balance of drag, lift and pitching moment in units of the weight (moment over the mean chord).
     let balance = |z: [f64; 3]| -> [Dual<3>; 3] {
         let [alpha, elevator, thrust] = std::array::from_fn(|i| Dual::variable(z[i], i));
-        let [cl, cd, cm] = database.coefficients(alpha, Dual::from(0.0), elevator);
+        let [cl, cd, cm] = database.coefficients(Dual::from(c.speed), c.density, alpha, Dual::from(0.0), elevator);
         let (sin, cos) = (alpha + c.thrust_inclination).sin_cos();
         let thrust = thrust * weight;
         [

@@ -190,8 +190,7 @@ mod tests {
     #[test]
     fn the_signature_is_that_of_the_specification() {
         let key = Key::parse(&std::array::from_fn::<u8, 32, _>(|k| k as u8)).unwrap();
-        let signed =
-            frame::encode_signed(0, 5, 1, 1, &[0, 0, 0, 0, 2, 3, 81, 4, 3], &key, 3, 0x0102_0304_0506).unwrap();
+        let signed = encode_signed(0, 5, 1, 1, &[0, 0, 0, 0, 2, 3, 81, 4, 3], &key, 3, 0x0102_0304_0506).unwrap();
         let hex: String = signed.iter().map(|byte| format!("{byte:02x}")).collect();
         assert_eq!(hex, EXPECTED);
     }
@@ -201,8 +200,7 @@ mod tests {
     #[test]
     fn what_is_changed_unsigned_or_old_is_refused() {
         let key = Key::parse(&[9; 32]).unwrap();
-        let signed =
-            |link, system, timestamp| frame::encode_signed(0, 0, system, 1, &[1; 9], &key, link, timestamp).unwrap();
+        let signed = |link, system, timestamp| encode_signed(0, 0, system, 1, &[1; 9], &key, link, timestamp).unwrap();
         let mut verifier = Verifier::new(key.clone());
         assert_eq!(verify(&mut verifier, &signed(0, 1, 10_000_000)), Ok(()));
         assert_eq!(verify(&mut verifier, &signed(0, 1, 10_000_001)), Ok(()));

@@ -21,14 +21,18 @@ pub struct AircraftSettings {
     /// The built-in aircraft that flies, for instance the F-16; none where it comes from a `file`.
     #[serde(rename = "type", default)]
     pub kind: Option<AircraftName>,
-    /// The file, or the folder, of the aircraft that flies, relative to the scenario file: an aircraft of JSBSim or a model
-    /// file. The name of a built-in model (`hfb320`) where there is no such file.
+    /// The file, or the folder, of the aircraft that flies, relative to the scenario file: an aircraft of JSBSim or in
+    /// DAVE-ML, or a model file. The name of a built-in model (`hfb320`) where there is no such file.
     #[serde(default)]
     pub file: Option<PathBuf>,
-    /// Properties of an aircraft of JSBSim by name, in its units, set once: contents of tanks, flaps, gear.
+    /// Further files of an aircraft in DAVE-ML, relative to the scenario file: models of mass and inertia or of the engine.
+    #[serde(default)]
+    pub with: Vec<PathBuf>,
+    /// Properties of an aircraft of JSBSim by name, in its units, set once: contents of tanks, flaps, gear. In DAVE-ML
+    /// variables in the unit of their file, and mass, inertia and sizes that no file has, in SI.
     #[serde(default)]
     pub properties: BTreeMap<String, f64>,
-    /// Thrust at full throttle of an aircraft of JSBSim, along body x, in place of its engines.
+    /// Thrust at full throttle of an aircraft of JSBSim or in DAVE-ML, along body x, in place of its engines.
     #[serde(default)]
     pub largest_thrust: Option<Force>,
     /// Damage of the Generic Transport Model, for example `left-stabiliser-off`.
@@ -121,8 +125,9 @@ impl AircraftSettings {
         let thrust =
             self.largest_thrust.map_or(FlownThrust::Engines, |force| FlownThrust::AlongBodyX { largest_n: force.si() });
         let properties = self.properties.iter().map(|(name, value)| (name.clone(), *value)).collect();
+        let with = self.with.iter().map(|file| folder.join(file)).collect();
         let damage = self.damaged.filter(|_| self.damaged_at.is_none()).map_or(Damage::None, |word| word.0);
-        let options = FlownOptions { thrust, properties, damage, ..FlownOptions::default() };
+        let options = FlownOptions { thrust, properties, with, damage, ..FlownOptions::default() };
         let beside = folder.join(file);
         // A name of a built-in model stands in no folder.
         let found = if beside.exists() || file.components().count() > 1 { &beside } else { file };
@@ -155,6 +160,7 @@ impl AircraftSettings {
             ("properties", !self.properties.is_empty()),
             ("largest_thrust", self.largest_thrust.is_some()),
             ("damaged", self.damaged.is_some()),
+            ("with", !self.with.is_empty()),
         ];
         let (foreign, of) = match self.file {
             Some(_) => (f16_only.as_slice(), "type = \"f16\""),

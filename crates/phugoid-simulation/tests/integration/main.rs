@@ -6,4 +6,5 @@ mod shared_data;
 
 mod damage;
 mod golden_flight;
+mod known_base;
 mod scenario_options;

@@ -2,8 +2,8 @@
 
 use phugoid_flight_dynamics::aircraft::Geometry;
 
-use super::pool::Pool;
 use super::{GAS, RATIO_OF_HEATS};
+use crate::flown::pool::Pool;
 use crate::flown::surface::Surface;
 use crate::jsbsim::{
     AerodynamicWorkspace, Aircraft, CompiledAerodynamics, Evaluator, FlightCondition, ForceMoment,

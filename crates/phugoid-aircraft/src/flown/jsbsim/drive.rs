@@ -2,8 +2,8 @@
 
 use phugoid_flight_dynamics::atmosphere::Atmosphere;
 
-use super::pool::Pool;
 use crate::flown::options::Thrust;
+use crate::flown::pool::Pool;
 use crate::jsbsim::{
     Aircraft, CompiledPropulsion, Engine, EngineKind, Evaluator, FlightCondition, PropulsiveWorkspace,
 };

@@ -1,13 +1,15 @@
 //! `[aircraft]`: mass, inertia, sizes, thrust, air.
 
 use phugoid_flight_data::quantity::Dimension;
+use phugoid_flight_dynamics::aircraft::Aircraft as _;
 use toml::Spanned;
 use toml::de::DeValue;
 
 use super::axes::written;
 use crate::core::axes::Axes;
-use crate::model_file::aircraft::{AirDensity, AircraftData, Base, Source, Thrust};
+use crate::model_file::aircraft::{AirDensity, AircraftData, Base, STANDARD_GRAVITY, Source, Thrust};
 use crate::model_file::error::ModelFileError;
+use crate::model_file::known::KnownAircraft;
 use crate::model_file::section::Section;
 
 const AIRCRAFT_KEYS: [&str; 16] = [
@@ -53,13 +55,47 @@ fn required_source(section: &Section, key: &str, dimension: Dimension) -> Result
     }
 }
 
-pub(super) fn aircraft(top: &Section, base: Base, axes: Axes) -> Result<AircraftData, ModelFileError> {
+/// The value of the file of `base` where the model file has none.
+fn known_source(
+    section: &Section,
+    key: &str,
+    dimension: Dimension,
+    known: Option<f64>,
+) -> Result<Source, ModelFileError> {
+    match known.filter(|_| section.get(key).is_none()) {
+        Some(value) => Ok(Source::Constant(value)),
+        None => required_source(section, key, dimension),
+    }
+}
+
+/// A size, which has to be that of `base` where there is one: its coefficients belong to it.
+fn size(section: &Section, key: &str, dimension: Dimension, known: Option<f64>) -> Result<Option<f64>, ModelFileError> {
+    /// How far a size that is written with few digits may be off.
+    const ROUNDED: f64 = 1e-4;
+    match (section.positive(key, dimension)?, known) {
+        (Some(value), Some(known)) if (value / known - 1.0).abs() > ROUNDED => Err(section.error(
+            key,
+            format!("`{key}` is {value}, and the coefficients of `base` belong to {known}: leave it out, it is taken from there"),
+        )),
+        (value, known) => Ok(known.or(value)),
+    }
+}
+
+pub(super) fn aircraft(
+    top: &Section,
+    base: Base,
+    known: Option<&KnownAircraft>,
+    axes: Axes,
+) -> Result<AircraftData, ModelFileError> {
     let section = top.section("aircraft")?.ok_or_else(|| top.missing("aircraft", "a table [aircraft]"))?;
     section.allow("key", AIRCRAFT_KEYS.iter().copied())?;
     let text = |key: &str| section.get(key).and_then(|v| v.get_ref().as_str());
     let thrust = match text("thrust") {
         Some("trim") if base == Base::None => {
-            return Err(section.error("thrust", "thrust = \"trim\" needs a database (base = \"f16\") to trim"));
+            return Err(section.error(
+                "thrust",
+                "thrust = \"trim\" needs a database (base = \"f16\", or the path of an aircraft) to trim",
+            ));
         }
         Some("trim") => Thrust::Trim,
         // The lateral-directional motion takes the measured specific forces in its place.
@@ -80,8 +116,14 @@ pub(super) fn aircraft(top: &Section, base: Base, axes: Axes) -> Result<Aircraft
         }
         _ => AirDensity::Known(required_source(&section, "air_density", Dimension::DENSITY)?),
     };
-    let cg = section.number("cg", Dimension::NUMBER)?;
-    if base != Base::None && cg.is_none() {
+    let mut cg = section.number("cg", Dimension::NUMBER)?;
+    if let Some(known) = known {
+        if cg.is_some() {
+            return Err(section.error("cg", "`cg` is that of the aircraft of `base`: leave it out"));
+        }
+        cg = known.aircraft().centre_of_gravity();
+    }
+    if base == Base::F16 && cg.is_none() {
         return Err(section.missing("cg", "the centre of gravity as a fraction of the mean chord, for the database"));
     }
     // What only the lateral axes need may be there for all: one description of the aircraft serves every file.
@@ -91,10 +133,13 @@ pub(super) fn aircraft(top: &Section, base: Base, axes: Axes) -> Result<Aircraft
         }
         Err(section.missing(key, &format!("{expected}, for the lateral axes ({})", written(axes))))
     };
-    let wing_span = section.positive("wing_span", Dimension::LENGTH)?;
+    let geometry = known.map(|known| *known.aircraft().geometry());
+    let wing_span = size(&section, "wing_span", Dimension::LENGTH, geometry.map(|sizes| sizes.span))?;
     lateral("wing_span", wing_span.is_some(), "the span in m or with a unit")?;
-    let inertia = |key: &str| -> Result<Option<Source>, ModelFileError> {
-        let found = source_of(&section, key, Dimension::INERTIA)?;
+    let moments = known.map(KnownAircraft::inertia);
+    let of = |place: usize| moments.map(|moments| moments[place]);
+    let inertia = |key: &str, known: Option<f64>| -> Result<Option<Source>, ModelFileError> {
+        let found = source_of(&section, key, Dimension::INERTIA)?.or(known.map(Source::Constant));
         if let Some(Source::Constant(v)) = found
             && v <= 0.0
             && key != "ixz"
@@ -105,29 +150,40 @@ pub(super) fn aircraft(top: &Section, base: Base, axes: Axes) -> Result<Aircraft
         lateral(key, found.is_some(), &expected)?;
         Ok(found)
     };
-    let (ixx, izz, ixz) = (inertia("ixx")?, inertia("izz")?, inertia("ixz")?);
+    let (ixx, izz, ixz) = (inertia("ixx", of(0))?, inertia("izz", of(2))?, inertia("ixz", of(3))?);
     if let (Some(Source::Constant(x)), Some(Source::Constant(z)), Some(Source::Constant(xz))) = (&ixx, &izz, &ixz)
         && xz * xz >= x * z
     {
         let message = format!("`ixz` is {xz}: its square must be below ixx izz = {}", x * z);
         return Err(section.error("ixz", message));
     }
+    let [inclination, arm] = known.map_or([0.0; 2], KnownAircraft::thrust_line);
     Ok(AircraftData {
         ixx,
         izz,
         ixz,
         wing_span,
-        mass: required_source(&section, "mass", Dimension::MASS)?,
-        iyy: required_source(&section, "iyy", Dimension::INERTIA)?,
-        wing_area: section.required_positive("wing_area", Dimension::AREA)?,
-        mean_chord: section.required_positive("mean_chord", Dimension::LENGTH)?,
+        mass: known_source(&section, "mass", Dimension::MASS, known.map(|k| k.aircraft().mass_properties().mass()))?,
+        iyy: known_source(&section, "iyy", Dimension::INERTIA, of(1))?,
+        wing_area: match geometry {
+            Some(sizes) => {
+                size(&section, "wing_area", Dimension::AREA, Some(sizes.wing_area))?.unwrap_or(sizes.wing_area)
+            }
+            None => section.required_positive("wing_area", Dimension::AREA)?,
+        },
+        mean_chord: match geometry {
+            Some(sizes) => {
+                size(&section, "mean_chord", Dimension::LENGTH, Some(sizes.mean_chord))?.unwrap_or(sizes.mean_chord)
+            }
+            None => section.required_positive("mean_chord", Dimension::LENGTH)?,
+        },
         cg,
         thrust,
-        thrust_inclination: section.number("thrust_inclination", Dimension::ANGLE)?.unwrap_or(0.0),
-        thrust_arm: section.number("thrust_arm", Dimension::LENGTH)?.unwrap_or(0.0),
+        thrust_inclination: section.number("thrust_inclination", Dimension::ANGLE)?.unwrap_or(inclination),
+        thrust_arm: section.number("thrust_arm", Dimension::LENGTH)?.unwrap_or(arm),
         air_density,
         rotor_momentum: section.number("rotor_momentum", Dimension::ANGULAR_MOMENTUM)?.unwrap_or(0.0),
         reference_speed: section.positive("reference_speed", Dimension::SPEED)?,
-        gravity: section.positive("gravity", Dimension::ACCELERATION)?.unwrap_or(9.80665),
+        gravity: section.positive("gravity", Dimension::ACCELERATION)?.unwrap_or(STANDARD_GRAVITY),
     })
 }

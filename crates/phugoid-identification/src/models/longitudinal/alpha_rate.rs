@@ -66,7 +66,7 @@ impl LongitudinalModel {
         let c = &self.constants;
         let [speed, alpha, pitch, q] = *x;
         let factors = self.factors(x, u);
-        let explicit = self.coefficients(x, theta, T::from(u.elevator), &factors);
+        let explicit = self.coefficients(x, theta, u.air_density, T::from(u.elevator), &factors);
         let chord_time = match c.rate_speed {
             Some(speed) => T::from(0.5 * c.mean_chord / speed),
             None => (speed * 2.0).recip() * c.mean_chord,

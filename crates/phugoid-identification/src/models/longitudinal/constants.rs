@@ -47,7 +47,7 @@ impl LongitudinalModel {
             Some(terms) => self.implicit(terms, x, theta, u).motion,
             None => {
                 let factors = self.factors(x, u);
-                self.motion(x, u, self.coefficients(x, theta, u.elevator, &factors))
+                self.motion(x, u, self.coefficients(x, theta, u.air_density, u.elevator, &factors))
             }
         };
         let rates = super::to_array(&motion.rates);
@@ -65,8 +65,9 @@ impl LongitudinalModel {
         let elevator = Dual::<1>::variable(u.elevator, 0);
         let mut factors = self.factors(&x.map(Dual::<1>::from), u);
         factors[3] = elevator - c.elevator_reference;
-        let [lift, drag, moment] =
-            self.coefficients(&x.map(Dual::<1>::from), theta, elevator, &factors).map(|value| value.derivatives[0]);
+        let [lift, drag, moment] = self
+            .coefficients(&x.map(Dual::<1>::from), theta, u.air_density, elevator, &factors)
+            .map(|value| value.derivatives[0]);
         let force = 0.5 * u.air_density * c.wing_area * speed * speed;
         let f = force / u.mass;
         let pitch_per_moment = force * c.mean_chord / u.iyy;
