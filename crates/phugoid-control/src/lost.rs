@@ -26,30 +26,24 @@ pub enum Lost {
     VerticalTail,
     /// The ailerons: what they move is gone, the wing is there.
     Ailerons,
-    /// The outer part of the left wing.
-    LeftWingTip,
-    /// The outer part of the right wing.
-    RightWingTip,
-    /// An inner part of the left wing, such as a flap.
-    LeftInnerWing,
-    /// An inner part of the right wing, such as a flap.
-    RightInnerWing,
+    /// A part of the left wing: its tip, or a flap. Which of them, the derivatives tell too weakly to be named.
+    LeftWing,
+    /// A part of the right wing.
+    RightWing,
     /// Nothing is gone: the centre of gravity is elsewhere.
     CentreOfGravity,
 }
 
 impl Lost {
     /// All, in the order of tables.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 8] = [
         Self::Elevator,
         Self::HorizontalTail,
         Self::Rudder,
         Self::VerticalTail,
         Self::Ailerons,
-        Self::LeftWingTip,
-        Self::RightWingTip,
-        Self::LeftInnerWing,
-        Self::RightInnerWing,
+        Self::LeftWing,
+        Self::RightWing,
         Self::CentreOfGravity,
     ];
 
@@ -61,22 +55,20 @@ impl Lost {
             Self::Rudder => "rudder",
             Self::VerticalTail => "vertical tail",
             Self::Ailerons => "ailerons",
-            Self::LeftWingTip => "tip of the left wing",
-            Self::RightWingTip => "tip of the right wing",
-            Self::LeftInnerWing => "inner part of the left wing",
-            Self::RightInnerWing => "inner part of the right wing",
+            Self::LeftWing => "left wing",
+            Self::RightWing => "right wing",
             Self::CentreOfGravity => "centre of gravity",
         }
     }
 
     /// Smallest and largest part that each derivative loses when all of the part is lost, in the order of [`losses`]. Negative is a
     /// gain. A half of a tail makes half of it. Ranges are those of conventional aeroplanes with tails behind, whose stability in
-    /// pitch and yaw is what the tail has beyond what wing and body lack; the roll by angle of attack is over the lift slope.
+    /// pitch and yaw is what the tail has beyond what wing and body lack.
     pub const fn signature(self) -> [[f64; 2]; DERIVATIVES] {
         const NO: [f64; 2] = [0.0, 0.0];
         // What the centre of gravity moves when something is lost at the tail or a tip.
         const ANY: [f64; 2] = [-0.6, 0.6];
-        // CL_alpha, Cm_alpha, Cm_q, Cm_elevator, CY_beta, Cl_alpha/CL_alpha, Cl_p, Cl_aileron, Cn_beta, Cn_r, Cn_rudder
+        // CL_alpha, Cm_alpha, Cm_q, Cm_elevator, CY_beta, Cl_alpha/|Cl_p|, Cl_p, Cl_aileron, Cn_beta, Cn_r, Cn_rudder
         match self {
             Self::Elevator => [[0.0, 0.1], [-0.1, 0.4], [0.0, 0.45], [1.0, 1.0], NO, NO, NO, NO, NO, NO, NO],
             Self::HorizontalTail => {
@@ -89,55 +81,29 @@ impl Lost {
                 [NO, ANY, [-0.2, 0.2], [-0.2, 0.2], [0.3, 1.0], NO, [0.0, 0.1], NO, [0.8, 4.0], [0.6, 1.2], [0.8, 1.2]]
             }
             Self::Ailerons => [NO, NO, NO, NO, NO, NO, [0.0, 0.2], [1.0, 1.0], NO, NO, NO],
-            // All of a half wing makes half of the roll damping.
-            Self::LeftWingTip => [
-                [0.05, 0.5],
+            // All of a half wing makes half of the roll damping. What is lost within rolls more by lift than it damps.
+            Self::LeftWing => [
+                [0.05, 1.5],
                 [-1.0, 2.0],
                 [-0.3, 0.3],
                 [-0.2, 0.2],
                 [-0.2, 0.2],
-                [-0.75, -0.4],
+                [-2.5, -0.4],
                 [0.5, 0.5],
-                [0.3, 1.0],
+                [0.0, 1.0],
                 [-0.2, 0.2],
                 [-0.2, 0.2],
                 [-0.2, 0.2],
             ],
-            Self::RightWingTip => [
-                [0.05, 0.5],
+            Self::RightWing => [
+                [0.05, 1.5],
                 [-1.0, 2.0],
                 [-0.3, 0.3],
                 [-0.2, 0.2],
                 [-0.2, 0.2],
-                [0.4, 0.75],
+                [0.4, 2.5],
                 [0.5, 0.5],
-                [0.3, 1.0],
-                [-0.2, 0.2],
-                [-0.2, 0.2],
-                [-0.2, 0.2],
-            ],
-            Self::LeftInnerWing => [
-                [0.05, 1.5],
-                [-1.0, 1.0],
-                [-0.3, 0.3],
-                [-0.2, 0.2],
-                [-0.2, 0.2],
-                [-2.5, -1.2],
-                [0.5, 0.5],
-                [0.0, 0.8],
-                [-0.2, 0.2],
-                [-0.2, 0.2],
-                [-0.2, 0.2],
-            ],
-            Self::RightInnerWing => [
-                [0.05, 1.5],
-                [-1.0, 1.0],
-                [-0.3, 0.3],
-                [-0.2, 0.2],
-                [-0.2, 0.2],
-                [1.2, 2.5],
-                [0.5, 0.5],
-                [0.0, 0.8],
+                [0.0, 1.0],
                 [-0.2, 0.2],
                 [-0.2, 0.2],
                 [-0.2, 0.2],
@@ -218,8 +184,9 @@ const SMALLEST: f64 = 0.1;
 const STEPS: usize = 60;
 /// Most that the squares of the differences may be over their number, for a signature to fit, ...
 const FITS: f64 = 2.0;
-/// ... and by how much another one has to be worse, so that it is not named beside the best.
-const APART: f64 = 6.0;
+/// ... and by how much another one has to be worse, so that it is not named beside the best: it is then a hundred times less likely
+/// (twice the logarithm of 100).
+const APART: f64 = 9.21;
 /// Square of the difference of a single derivative that is a change: four standard errors.
 const CHANGED: f64 = 16.0;
 
@@ -310,9 +277,9 @@ mod tests {
         let fin = with(&[(1, -0.33), (2, -0.08), (3, -0.1), (4, 0.6), (8, 1.37), (9, 0.88), (10, 1.0)]);
         assert_eq!((fin.lost, fin.or), (Some(Lost::VerticalTail), None));
         let flap = with(&[(0, 0.02), (1, 0.03), (5, -0.176), (6, 0.065), (7, 0.07)]);
-        assert_eq!(flap.lost, Some(Lost::LeftInnerWing));
+        assert_eq!(flap.lost, Some(Lost::LeftWing));
         let tip = with(&[(0, 0.073), (1, 0.40), (5, -0.314), (6, 0.28), (7, 0.37)]);
-        assert_eq!((tip.lost, tip.or), (Some(Lost::LeftWingTip), None));
+        assert_eq!((tip.lost, tip.or), (Some(Lost::LeftWing), None));
         let elevator = with(&[(0, 0.02), (1, 0.07), (2, 0.18), (3, 0.46)]);
         assert_eq!((elevator.lost, elevator.or), (Some(Lost::Elevator), None));
         let stabiliser = with(&[(0, 0.05), (1, 0.46), (2, 0.55), (3, 0.46), (8, -0.04)]);

@@ -20,8 +20,8 @@ const DAMAGE_AT_S: f64 = 15.0;
 const DAMAGES: [(&str, Lost); 6] = [
     ("rudder-off", Lost::Rudder),
     ("vertical-tail-off", Lost::VerticalTail),
-    ("left-outboard-flap-off", Lost::LeftInnerWing),
-    ("left-wing-tip-off", Lost::LeftWingTip),
+    ("left-outboard-flap-off", Lost::LeftWing),
+    ("left-wing-tip-off", Lost::LeftWing),
     ("left-elevator-off", Lost::Elevator),
     ("left-stabiliser-off", Lost::HorizontalTail),
 ];

@@ -196,7 +196,7 @@ fn learning(
     settings: &Settings,
     model: &ModelFile,
     trim: &Trim,
-) -> Result<Learning, RecoveryError> {
+) -> Result<Box<Learning>, RecoveryError> {
     let body = match model.base {
         Base::None => {
             let body = Body::of(model);
@@ -219,7 +219,7 @@ fn learning(
             .map_err(|why| RecoveryError::Unsuitable(format!("the model `{}`: {why}", model.name)))?;
     }
     let options = EstimateOptions { method: settings.method, ..EstimateOptions::default() };
-    Ok(Learning { session: Session::new(model, &options)?, body })
+    Ok(Box::new(Learning { session: Session::new(model, &options)?, body }))
 }
 
 /// Refuses a model whose parameters are no increments to the aircraft that flies, about the trim that it flies from: they would be
@@ -336,7 +336,7 @@ struct Loop<'a> {
     sensors: Sensors,
     pilot: Pilot,
     controller: Controller,
-    learning: Option<Learning>,
+    learning: Option<Box<Learning>>,
     changes: Changes,
     estimate: Option<Estimate>,
     history: History,
@@ -356,7 +356,7 @@ impl<'a> Loop<'a> {
         later: Option<&'a LaterAircraft>,
         trim: Trim,
         settings: &Settings,
-        learning: Option<Learning>,
+        learning: Option<Box<Learning>>,
     ) -> Result<Self, RecoveryError> {
         let scale = Scale::of(scenario);
         let gains = match settings.control {
@@ -459,7 +459,7 @@ impl<'a> Loop<'a> {
                 *flown += 0.01 * (now - *flown);
             }
         }
-        let Some(Learning { session, body }) = &mut self.learning else { return Ok(()) };
+        let Some(Learning { session, body }) = self.learning.as_deref_mut() else { return Ok(()) };
         let values: Vec<f64> = session.channels().iter().map(|name| reading.channel(name)).collect();
         let step = session.update(time, &values)?;
         let events = session.take_events();

@@ -2,7 +2,8 @@
 
 use phugoid_control::gains::Gains;
 use phugoid_control::interval::{excess, most_robust};
-use phugoid_control::local::LocalModel;
+use phugoid_control::local::{AXES, LocalModel, STATES, SURFACES, VARIABLES};
+use phugoid_control::roots::{Root, eigenvalues};
 use phugoid_control::target::Targets;
 use phugoid_flight_dynamics::aircraft::Aircraft;
 use phugoid_flight_dynamics::trim::Trim;
@@ -49,12 +50,53 @@ pub(crate) fn robust_gains<A: Aircraft>(
             }
         }
     }
+    // High gains look robust to a model whose surfaces move at once.
+    let actuators = aircraft.actuators();
+    let lags = [actuators.elevator.lag, actuators.aileron.lag, actuators.rudder.lag].map(|lag| scale.time(lag));
+    candidates.retain(|gains| stays_damped(&healthy, gains, lags));
     // Only what gains of its own would hold can be asked of fixed ones.
     let feasible: Vec<LocalModel> = models
         .into_iter()
         .filter(|model| Gains::place(model, targets).is_some_and(|own| excess(model, &own).largest() < 0.0))
         .collect();
     most_robust(feasible.iter(), candidates.into_iter()).ok_or(RecoveryError::NoGains)
+}
+
+/// Damping ratio that oscillations faster than a phugoid keep with the lags of the actuators.
+const LAGGED_DAMPING: f64 = 0.5;
+
+/// Whether the whole aircraft with these gains is damped although its surfaces lag behind their commands (s, first order).
+fn stays_damped(model: &LocalModel, gains: &Gains, lags: [f64; SURFACES]) -> bool {
+    const WHOLE: usize = STATES + SURFACES;
+    // Without feedback, and by how much more a unit of each surface moves.
+    let none = model.closed_loop(&[[0.0; VARIABLES]; SURFACES]);
+    let feedback = gains.feedback();
+    // Places of the feedback variables among the states of the local motion.
+    const PLACE: [usize; VARIABLES] = [0, 1, 3, 4, 5];
+    let mut whole = [[0.0; WHOLE]; WHOLE];
+    for (row, from) in whole.iter_mut().zip(none) {
+        row[..STATES].copy_from_slice(&from);
+    }
+    for j in 0..SURFACES {
+        if lags[j] <= 0.0 {
+            return true;
+        }
+        let column = STATES + j;
+        for i in 0..AXES {
+            whole[3 + i][column] = model.surfaces[i][j];
+        }
+        for (variable, place) in PLACE.iter().enumerate() {
+            whole[column][*place] = feedback[j][variable] / lags[j];
+        }
+        whole[column][column] = -1.0 / lags[j];
+    }
+    whole[0][STATES] = model.alpha_by_elevator;
+    whole[1][STATES + 1] = model.beta_by_aileron;
+    whole[1][STATES + 2] = model.beta_by_rudder;
+    let slow = |root: &Root| root.real.hypot(root.imaginary) < 0.3;
+    eigenvalues(&whole).is_some_and(|roots| {
+        roots.iter().filter(|root| !slow(root)).all(|root| root.real < -LAGGED_DAMPING * root.imaginary.abs())
+    })
 }
 
 fn damaged(healthy: &LocalModel, surface: f64, stability: f64, damping: f64) -> LocalModel {

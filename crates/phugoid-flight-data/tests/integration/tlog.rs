@@ -16,6 +16,7 @@ fn all(bytes: &[u8]) -> Log {
     read(bytes, "test.tlog", &Selection::default()).unwrap()
 }
 
+#[allow(clippy::result_large_err)] // the error of the reader itself
 fn record_of(bytes: &[u8], name: &str, options: &ReadOptions) -> Result<Record, reader::ReadError> {
     let path = std::env::temp_dir().join(format!("phugoid-tlog-{name}-{}.tlog", std::process::id()));
     std::fs::write(&path, bytes).unwrap();

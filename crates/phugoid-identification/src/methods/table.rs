@@ -107,10 +107,31 @@ fn rows<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize>
     Regression::new(model, KinematicFrontEnd::<M, N, R>::new(gravity, settings), *settings)
 }
 
-/// Makes an estimator and puts it on the heap. Each has a frame of its own on the stack, which holds the copies of this
-/// one only.
+/// Stack of the thread in which an estimator is made, bytes. The largest, six axes with room for 48 parameters and their
+/// constants, is 600 kB, of which a debug build holds three copies until it is on the heap: more than a thread of 2 MB has left.
+const STACK: usize = 16 << 20;
+
+/// Makes an estimator and puts it on the heap, in a thread of its own: whoever asks for one may have a small stack. Where no
+/// thread can be had it is made here.
 #[inline(never)]
 fn place<I: Input, E, const R: usize, const P: usize>(
+    make: impl FnOnce() -> Result<E, SettingsError> + Send,
+) -> Result<Boxed<I, R, P>, SettingsError>
+where
+    E: Inspect<R, P, Input = I> + Send + 'static,
+{
+    let mut make = Some(make);
+    let made = std::thread::scope(|scope| {
+        let here = &mut make;
+        let thread = std::thread::Builder::new().stack_size(STACK);
+        let thread = thread.spawn_scoped(scope, move || here.take().map(on_the_heap)).ok()?;
+        thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+    });
+    // Without an answer no thread was begun, and `make` is still here.
+    made.or_else(|| make.take().map(on_the_heap)).unwrap_or(Err(SettingsError::Capacity { needed: P, capacity: 0 }))
+}
+
+fn on_the_heap<I: Input, E, const R: usize, const P: usize>(
     make: impl FnOnce() -> Result<E, SettingsError>,
 ) -> Result<Boxed<I, R, P>, SettingsError>
 where

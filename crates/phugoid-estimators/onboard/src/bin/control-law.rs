@@ -1,5 +1,5 @@
 //! The control law with everything around it: gains, their worst motion within the bounds of an estimate, the watch over the surfaces,
-//! the excitation, flying qualities and margins.
+//! the excitation, flying qualities, margins, and the name of what is gone.
 #![no_std]
 #![no_main]
 
@@ -11,6 +11,7 @@ use phugoid_control::gains::Gains;
 use phugoid_control::interval::{Comparison, Estimate};
 use phugoid_control::law::{Demand, Form, Law, Measured, Settings};
 use phugoid_control::local::LocalModel;
+use phugoid_control::lost::{losses, name};
 use phugoid_control::margin::margins;
 use phugoid_control::prediction::Recent;
 use phugoid_control::qualities::{Category, qualities};
@@ -44,6 +45,7 @@ fn fly<const P: usize>() {
     let category = black_box(Category::A);
     black_box(qualities(&model.closed_loop(&new.feedback()), model.load_factor_per_alpha(), category).level());
     black_box(margins(&estimate, &new, &[number(); 3], &limits, number()));
+    black_box(name(&losses(&estimate, &black_box(estimate), number())));
     black_box(excitation.update(&black_box(Now::default()), number()));
     black_box(law.update(&measured, &black_box(Demand::default())));
 }
