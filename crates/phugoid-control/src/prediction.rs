@@ -150,11 +150,21 @@ impl Recent {
         Some(sums.map(|sum| sum / count as f64))
     }
 
+    /// Whether a model has explained the last three seconds, in the sense of [`explains`](Self::explains). An estimate that has not
+    /// says nothing of the aircraft, whatever its bounds are.
+    pub fn has_explained(&self, model: &LocalModel, floor: [f64; AXES]) -> bool {
+        self.is_explained(model, LENGTH, floor)
+    }
+
     /// Whether a model explains the last six tenths of a second: of the changes of angular acceleration of each axis half at least, or all but
     /// the given `floor` (rad/s^2), which is what noise and gusts make. Just after damage no model does, and an estimate in transit is
     /// none to act on. Before a second of flight everything is explained.
     pub fn explains(&self, model: &LocalModel, floor: [f64; AXES]) -> bool {
-        match self.unexplained_of(model, SHORT) {
+        self.is_explained(model, SHORT, floor)
+    }
+
+    fn is_explained(&self, model: &LocalModel, most: usize, floor: [f64; AXES]) -> bool {
+        match self.unexplained_of(model, most) {
             None => true,
             Some((left, moved)) => (0..AXES).all(|i| left[i] <= (0.5 * moved[i]).max(floor[i])),
         }
@@ -202,6 +212,7 @@ mod tests {
         }
         let (left, moved) = recent.unexplained(&truth).unwrap();
         assert!(left.iter().zip(moved).all(|(left, moved)| *left < 0.1 * moved), "{left:?} {moved:?}");
+        assert!(recent.has_explained(&truth, [0.0; 3]) && !recent.has_explained(&wrong, [0.0; 3]));
         assert!(recent.prefers(&wrong, &truth) && !recent.prefers(&truth, &wrong));
         // Nothing was out of trim, but for what the filter's edges make of three seconds.
         let shown = recent.out_of_trim(&truth, &[0.0; 5], &[0.0; 3]).unwrap();

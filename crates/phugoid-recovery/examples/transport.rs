@@ -33,6 +33,9 @@ struct Told {
     detected_s: Option<f64>,
     early: bool,
     named: Option<(Option<Lost>, Option<Lost>, bool)>,
+    explained: bool,
+    /// Margins of surfaces that are beyond four standard errors.
+    margins_wrong: bool,
     /// Estimate less truth over the standard error: Cn_beta, Cm_alpha, Cl_alpha.
     errors: [f64; 3],
     departed_at_s: Option<f64>,
@@ -48,7 +51,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let folder = std::fs::canonicalize(folder)?;
     let model = ModelFile::parse("model.toml", MODEL)?;
     println!(
-        "damage                 flights  doubt  adopted after, s  named  wrongly  none of  covered: Cn_beta Cm_alpha Cl_alpha  level 1 or 2: fixed robust adaptive oracle"
+        "damage                 flights  doubt  adopted after, s  named  wrongly  none of  covered: Cn_beta Cm_alpha Cl_alpha  level 1 or 2: fixed robust adaptive oracle  unexplained  margins wrong  silently"
     );
     for (word, part) in DAMAGES {
         let one = |run: usize| -> Result<Told, String> {
@@ -87,6 +90,11 @@ fn told(scenario: &Scenario, model: &ModelFile) -> Result<Told, String> {
         detected_s: adopted(DAMAGE_AT_S).map(|e| e.time_s - DAMAGE_AT_S),
         early: adopted(0.0).is_some_and(|e| e.time_s < DAMAGE_AT_S),
         named: flight.lost.map(|name| (name.lost, name.or, name.has_changed)),
+        explained: flight.explained == Some(true),
+        margins_wrong: flight.left.is_some_and(|left| {
+            let pairs = left.margins.iter().zip(&flight.truly_left.margins);
+            pairs.filter(|(m, _)| m.std_error > 0.0).any(|(m, truth)| (m.trim - truth.trim).abs() > 4.0 * m.std_error)
+        }),
         errors: [error(|m| m.rates[2][BETA]), error(|m| m.rates[1][ALPHA]), error(|m| m.rates[0][ALPHA])],
         departed_at_s: departed.map(|e| e.time_s),
         recovered,
@@ -104,7 +112,7 @@ fn print_row(word: &str, part: Lost, told: &[Told]) {
     let flown: Vec<&Told> = told.iter().filter(|t| t.departed_at_s.is_none()).collect();
     let covered = |k: usize| flown.iter().filter(|t| t.errors[k].abs() <= 2.0).count();
     println!(
-        "{word:22} {:7}  {:5}  {median:16.2}  {:5}  {:7}  {:7}  {:>15} {:8} {:8} of {:<3} {:>20} {:6} {:8} {:6}",
+        "{word:22} {:7}  {:5}  {median:16.2}  {:5}  {:7}  {:7}  {:>15} {:8} {:8} of {:<3} {:>20} {:6} {:8} {:6} {:12} {:14} {:9}",
         told.len(),
         count(&|t| t.early),
         count(&right),
@@ -118,5 +126,8 @@ fn print_row(word: &str, part: Lost, told: &[Told]) {
         count(&|t| t.recovered[1]),
         count(&|t| t.recovered[2]),
         count(&|t| t.recovered[3]),
+        flown.iter().filter(|t| !t.explained).count(),
+        flown.iter().filter(|t| t.margins_wrong).count(),
+        flown.iter().filter(|t| t.margins_wrong && t.explained).count(),
     );
 }

@@ -112,6 +112,11 @@ impl Controller {
         checked
     }
 
+    /// Whether the estimate has explained how the aircraft moved in the last three seconds.
+    pub fn explains(&self, estimate: &Estimate) -> bool {
+        self.recent.has_explained(&estimate.model, FLOOR)
+    }
+
     /// Looks at the surfaces and the estimate, and changes gains where that is better.
     pub fn decide(&mut self, told: &Told<'_>) -> Vec<Decision> {
         let mut decisions = Vec::new();

@@ -140,6 +140,9 @@ pub struct RecoveryFlight {
     pub outcome: Outcome,
     /// What the last estimate says is left, with the control that has one.
     pub left: Option<Left>,
+    /// Whether the last estimate explains how the aircraft moved in the last seconds; where it does not, neither it nor what follows
+    /// from it is to be used. With the control that has one.
+    pub explained: Option<bool>,
     /// What is left in truth; its bounds are zero.
     pub truly_left: Left,
     /// Which part of the aircraft is gone, by the estimates before and after what was adopted last; none where nothing was adopted.
@@ -443,6 +446,7 @@ impl<'a> Loop<'a> {
             history: self.history,
             outcome,
             left: self.estimate.as_ref().map(|estimate| left(&self.controller.checked(estimate))),
+            explained: self.estimate.as_ref().map(|estimate| self.controller.explains(estimate)),
             truly_left: left(&truth),
             lost,
             estimate: self.estimate,

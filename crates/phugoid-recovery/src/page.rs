@@ -155,6 +155,10 @@ fn surfaces(flight: &RecoveryFlight) -> Section {
     }
 }
 
+/// What is said where the last estimate does not explain how the aircraft moved.
+pub const UNEXPLAINED: &str = "The estimate does not explain how the aircraft moved in the last seconds: use neither it nor what \
+                               follows from it, below.";
+
 /// What the changes of the derivatives look like, in a sentence.
 pub fn lost_words(name: &Name) -> String {
     let percent = (100.0 * name.fraction).round();
@@ -194,11 +198,10 @@ fn left(flight: &RecoveryFlight) -> Option<Section> {
     Some(Section {
         anchor: "left",
         heading: "What the estimate says is left",
-        paragraphs: flight
-            .lost
-            .as_ref()
-            .map(lost_words)
+        paragraphs: (flight.explained == Some(false))
+            .then(|| UNEXPLAINED.to_owned())
             .into_iter()
+            .chain(flight.lost.as_ref().map(lost_words))
             .chain([
                 "What steady flight takes of each surface, and the way from there to the nearer limit as a part of half the range."
                     .to_owned(),

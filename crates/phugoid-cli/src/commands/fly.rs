@@ -8,7 +8,7 @@ use phugoid_flight_data::output_file;
 use phugoid_recovery::controller::NAMES;
 use phugoid_recovery::flight::{Event, History, RecoveryError, RecoveryFlight, Settings, fly};
 use phugoid_recovery::outcome::{Left, Outcome};
-use phugoid_recovery::page::{lost_words, page};
+use phugoid_recovery::page::{UNEXPLAINED, lost_words, page};
 use phugoid_report::study_html;
 use serde::Serialize;
 
@@ -28,6 +28,8 @@ struct Document<'a> {
     outcome: &'a Outcome,
     /// What the estimate says is left; null for a control without one.
     left: Option<Left>,
+    /// Whether the last estimate explains how the aircraft moved in the last seconds; null for a control without one.
+    explained: Option<bool>,
     /// What is left in truth.
     truly_left: &'a Left,
     /// Which part of the aircraft the adopted changes look like; null where none was adopted.
@@ -63,6 +65,7 @@ pub(crate) fn run(arguments: &arguments::Fly) -> Result<(), Failure> {
         events: &flight.events,
         outcome: &flight.outcome,
         left: flight.left,
+        explained: flight.explained,
         truly_left: &flight.truly_left,
         lost: flight.lost,
         page: place.clone(),
@@ -136,6 +139,9 @@ fn text(flight: &RecoveryFlight, page: &Path) -> String {
         significant(outcome.load_factor[1], 2),
         significant(outcome.altitude_lost_m, 2)
     );
+    if flight.explained == Some(false) {
+        let _ = writeln!(text, "\n{UNEXPLAINED}");
+    }
     if let Some(name) = &flight.lost {
         let _ = writeln!(text, "\n{}", lost_words(name));
     }

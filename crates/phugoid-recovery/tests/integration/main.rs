@@ -110,6 +110,7 @@ fn a_transport_is_flown_on_with_a_model_of_its_own() {
     let adopted = flight.events.iter().find(|event| event.kind == Kind::Adopted && event.time_s >= 15.0).unwrap();
     assert!(adopted.time_s < 20.0, "{}", adopted.time_s);
     assert!(flight.lost.is_some());
+    assert_eq!(flight.explained, Some(true));
     // Of the elevator half is left, and the weathercock stability is as it was; both within three standard errors.
     let (found, truth) = (flight.estimate.unwrap(), flight.truth);
     let apart = |of: fn(&phugoid_control::local::LocalModel) -> f64| {

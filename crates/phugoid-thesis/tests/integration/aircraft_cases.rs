@@ -195,9 +195,9 @@ fn mistakes_in_a_case_file_are_told() {
     assert!(message.contains("case.toml") && message.contains("did you mean `dCm_alpha`"), "{message}");
     let message = error("lower = -0.003", "lower = 0.003");
     assert!(message.contains("[parameters.dCm_alpha]") && message.contains("of one sign"), "{message}");
-    let message = error("lambda = 10", "lambda = 0");
+    let message = error("\nlambda = 10", "\nlambda = 0");
     assert!(message.contains("lambda must be positive"), "{message}");
-    let message = error("lambda = 10", "lamda = 10");
+    let message = error("\nlambda = 10", "\nlamda = 10");
     assert!(message.contains("did you mean `lambda`") && message.contains("case.toml:"), "{message}");
     let message = error("[scenario.aircraft]", "[plant]\n[scenario.aircraft]");
     assert!(message.contains("it has both"), "{message}");
