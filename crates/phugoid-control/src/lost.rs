@@ -81,33 +81,8 @@ impl Lost {
                 [NO, ANY, [-0.2, 0.2], [-0.2, 0.2], [0.3, 1.0], NO, [0.0, 0.1], NO, [0.8, 4.0], [0.6, 1.2], [0.8, 1.2]]
             }
             Self::Ailerons => [NO, NO, NO, NO, NO, NO, [0.0, 0.2], [1.0, 1.0], NO, NO, NO],
-            // All of a half wing makes half of the roll damping. What is lost within rolls more by lift than it damps.
-            Self::LeftWing => [
-                [0.05, 1.5],
-                [-1.0, 2.0],
-                [-0.3, 0.3],
-                [-0.2, 0.2],
-                [-0.2, 0.2],
-                [-2.5, -0.4],
-                [0.5, 0.5],
-                [0.0, 1.0],
-                [-0.2, 0.2],
-                [-0.2, 0.2],
-                [-0.2, 0.2],
-            ],
-            Self::RightWing => [
-                [0.05, 1.5],
-                [-1.0, 2.0],
-                [-0.3, 0.3],
-                [-0.2, 0.2],
-                [-0.2, 0.2],
-                [0.4, 2.5],
-                [0.5, 0.5],
-                [0.0, 1.0],
-                [-0.2, 0.2],
-                [-0.2, 0.2],
-                [-0.2, 0.2],
-            ],
+            Self::LeftWing => wing([-2.5, -0.4]),
+            Self::RightWing => wing([0.4, 2.5]),
             // By a chord: what it does to the stability is not bounded.
             Self::CentreOfGravity => {
                 [NO, [1.0, 1.0], [-0.2, 0.2], [-0.1, 0.1], NO, NO, NO, NO, [-0.1, 0.1], [-0.1, 0.1], [-0.1, 0.1]]
@@ -122,6 +97,13 @@ impl Lost {
             _ => 1.0,
         }
     }
+}
+
+/// The signature of a half wing with this roll by angle of attack. All of it makes half of the roll damping; what is lost within rolls
+/// more by lift than it damps.
+const fn wing(roll: [f64; 2]) -> [[f64; 2]; DERIVATIVES] {
+    const LITTLE: [f64; 2] = [-0.2, 0.2];
+    [[0.05, 1.5], [-1.0, 2.0], [-0.3, 0.3], LITTLE, LITTLE, roll, [0.5, 0.5], [0.0, 1.0], LITTLE, LITTLE, LITTLE]
 }
 
 /// What the changes of the derivatives look like.

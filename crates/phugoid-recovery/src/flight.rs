@@ -28,6 +28,7 @@ use serde::{Deserialize, Serialize};
 pub use crate::error::RecoveryError;
 pub use crate::history::History;
 
+use crate::changes::{Changes, Known};
 use crate::controller::{Controller, Decision, NAMES, Told};
 use crate::known::{Body, Declared, Increment, estimate, local_model, whole};
 use crate::outcome::{Left, Outcome, judge, left};
@@ -153,7 +154,8 @@ pub struct RecoveryFlight {
     pub truth: Estimate,
 }
 
-/// Flies a scenario in closed loop. `model` is what the adaptive control estimates with: increments to the scenario's aircraft.
+/// Flies a scenario in closed loop. `model` is what the adaptive control estimates with: increments to the scenario's aircraft, or all
+/// of its aerodynamics, in absolute form.
 ///
 /// # Errors
 /// [`RecoveryError`]: a scenario that cannot be flown in closed loop, a model that does not fit it.
@@ -284,48 +286,6 @@ pub(crate) fn healthy_gains<A: Aircraft>(
 ) -> Result<Gains, RecoveryError> {
     let known = estimate(aircraft, trim, &[], &Declared::UNSTATED, trim.speed_m_s, trim.altitude_m);
     Gains::place(&scale.model(&known.model), targets).ok_or(RecoveryError::NoGains)
-}
-
-/// What was estimated at one moment.
-#[derive(Clone, Debug)]
-struct Known {
-    /// The parameters with the random parts of their standard errors: what they share with those of another moment does not count in
-    /// a difference.
-    parameters: Vec<Increment>,
-    /// Airspeed, m/s, and altitude, m.
-    flown: [f64; 2],
-}
-
-/// What was known before the changes that were adopted, and is now.
-#[derive(Default)]
-struct Changes {
-    /// Outside a doubt, now.
-    now: Option<Known>,
-    /// Before the doubt that is open, or was last.
-    before_doubt: Option<Known>,
-    /// Before the first of the last adoptions that followed one another.
-    before: Option<Known>,
-    adopted_s: Option<f64>,
-}
-
-impl Changes {
-    /// Adoptions that follow one another so closely are of one change, s at full size.
-    const CHAIN_S: f64 = 15.0;
-
-    fn note(&mut self, kind: EventKind, time_s: f64, scale: Scale) {
-        match kind {
-            EventKind::InDoubt => self.before_doubt.clone_from(&self.now),
-            EventKind::Adopted => {
-                let follows = self.adopted_s.is_some_and(|at| scale.time(time_s - at) < Self::CHAIN_S);
-                if !follows || self.before.is_none() {
-                    self.before.clone_from(&self.before_doubt);
-                }
-                self.adopted_s = Some(time_s);
-            }
-            EventKind::RolledBack => self.before = None,
-            _ => {}
-        }
-    }
 }
 
 struct Loop<'a> {
@@ -484,12 +444,7 @@ impl<'a> Loop<'a> {
             let [speed, altitude] = self.flown;
             self.in_doubt = snapshot.change == ChangeState::InDoubt;
             if !self.in_doubt {
-                let random = increments.iter().zip(&snapshot.parameters).map(|(increment, parameter)| {
-                    let shared = parameter.systematic_std;
-                    let square = (increment.std_error * increment.std_error - shared * shared).max(0.0);
-                    Increment { std_error: square.sqrt(), ..increment.clone() }
-                });
-                now = Some(Known { parameters: random.collect(), flown: self.flown });
+                now = Some(Known::new(&snapshot.parameters, self.flown));
             }
             // Linearising is the dearest part of a frame; the controller decides five times a second.
             let every = (self.scale.model_time(0.1) * self.scenario.sample_rate.si()).max(1.0) as usize;
@@ -500,7 +455,7 @@ impl<'a> Loop<'a> {
         }
         for event in events {
             // Told before what is known now takes the place of what was known before.
-            self.changes.note(event.kind, event.time_s, self.scale);
+            self.changes.event(event.kind, event.time_s, self.scale);
             if event.kind == EventKind::DoubtDropped {
                 self.dropped_s = event.time_s;
             }
@@ -513,18 +468,26 @@ impl<'a> Loop<'a> {
             };
             self.event(event.time_s, kind, text.to_owned());
         }
-        if now.is_some() {
-            self.changes.now = now;
+        if let Some(now) = now {
+            self.changes.note(now);
         }
         Ok(())
     }
 
     /// Which part of the aircraft the adopted changes look like.
     fn lost(&self) -> Option<Name> {
-        let (before, after) = (self.changes.before.as_ref()?, self.changes.now.as_ref()?);
-        let body = self.learning.as_ref()?.body.as_ref();
+        let (before, after) = self.changes.before_and_after()?;
+        let Learning { session, body } = self.learning.as_deref()?;
         let of = |known: &Known| {
-            let found = local(self.aircraft, &self.trim, body, &known.parameters, known.flown);
+            let named = session.layout().parameters.iter().zip(&known.parameters);
+            let increments: Vec<Increment> = named
+                .map(|(layout, [value, std_error])| Increment {
+                    name: layout.name.clone(),
+                    value: *value,
+                    std_error: *std_error,
+                })
+                .collect();
+            let found = local(self.aircraft, &self.trim, body.as_ref(), &increments, known.flown);
             self.scale.estimate(&found)
         };
         let span = self.scale.length(self.aircraft.geometry().span);

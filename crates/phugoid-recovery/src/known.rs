@@ -3,13 +3,15 @@
 
 use phugoid_control::interval::Estimate;
 use phugoid_control::local::{ALPHA, AXES, BETA, LocalModel, P, Q, R, VARIABLES};
-use phugoid_flight_dynamics::aircraft::{Aircraft, Controls, State};
+use phugoid_flight_dynamics::aircraft::{Aircraft, Controls, Geometry, State};
 use phugoid_flight_dynamics::increments::Increments;
 use phugoid_flight_dynamics::linearize::{LinearModel, linearize};
+use phugoid_flight_dynamics::mass::MassProperties;
 use phugoid_flight_dynamics::motion::Disturbance;
 use phugoid_flight_dynamics::trim::Trim;
-use phugoid_identification::model_file::{ModelFile, ReferenceValue, Role, Source};
-use phugoid_identification::term::{Coefficient, FACTORS, Variable};
+use phugoid_identification::model_file::{ModelFile, RateSpeed, ReferenceValue, Role, Source};
+use phugoid_identification::rigid::MassInput;
+use phugoid_identification::term::{Coefficient, FACTORS, Term, Variable};
 
 // Places in `phugoid_flight_dynamics::linearize::STATE_NAMES` and the columns of its input matrix.
 const STATE_OF: [usize; VARIABLES] = [1, 2, 6, 7, 8];
@@ -88,7 +90,8 @@ pub fn estimate<A: Aircraft>(
     let linear = linearize(known, &state, &controls, &Disturbance { increments: named, ..Disturbance::default() });
     let mut model = local_model(&linear, trim.alpha_rad, speed, known.gravity());
     let mut variance = LocalModel::default();
-    let reach = Reach::of(known, speed, altitude);
+    let density = known.atmosphere().at(altitude).density;
+    let reach = Reach::new(known.geometry(), known.mass_properties(), density, speed, speed);
     for increment in increments {
         let Some((coefficient, variable)) = parts(&increment.name).filter(|(coefficient, _)| *coefficient != "CD")
         else {
@@ -130,25 +133,34 @@ fn with_declared(model: LocalModel, mut variance: LocalModel, declared: &Declare
 /// terms count from.
 #[derive(Clone, Debug)]
 pub struct Body {
-    mass: f64,
-    /// Ixx, Iyy, Izz, and the integral of x z, kg m^2.
-    inertia: [f64; 4],
-    area: f64,
-    chord: f64,
-    span: f64,
+    mass: MassProperties,
+    geometry: Geometry,
     gravity: f64,
+    /// Speed of `v_hat`, m/s; NaN where no term has it.
     reference_speed: f64,
+    /// Whether rates are made dimensionless with the reference speed in place of the airspeed.
+    rates_by_reference: bool,
     /// Angle of attack, elevator, aileron and rudder that count as zero, rad.
     reference: [f64; 4],
-    /// Terms of the build-up by the name of their parameter, and the value of those that are not estimated.
-    terms: Vec<(String, Coefficient, phugoid_identification::term::Term, Option<f64>)>,
+    terms: Vec<BodyTerm>,
+}
+
+/// A term of the build-up and the parameter that multiplies it.
+#[derive(Clone, Debug)]
+struct BodyTerm {
+    parameter: String,
+    coefficient: Coefficient,
+    term: Term,
+    /// The value of a parameter that is not estimated.
+    fixed: Option<f64>,
 }
 
 impl Body {
     /// The body of a model file in absolute form.
     ///
     /// # Errors
-    /// What is missing or not constant, in words.
+    /// In words: what is missing or not constant, and what the local model of a control law does not have (terms of the rate of the angle of
+    /// attack or of other inputs, moments of the thrust line, spinning rotors), so that it would be left out silently.
     pub fn of(model: &ModelFile) -> Result<Self, String> {
         let aircraft = &model.aircraft;
         let constant = |name: &str, source: Option<&Source>| match source {
@@ -160,32 +172,58 @@ impl Body {
             ReferenceValue::Given(value) => Ok(value),
             _ => Err(format!("`{name}` under [reference] has to be a number for a control law")),
         };
-        let terms = model.parameters.iter().filter_map(|parameter| match &parameter.role {
-            Role::Term(coefficient, term) => {
-                Some((parameter.name.clone(), *coefficient, term.clone(), parameter.fixed.then_some(parameter.start)))
-            }
-            _ => None,
-        });
-        Ok(Self {
+        let mass = MassInput {
             mass: constant("mass", Some(&aircraft.mass))?,
-            inertia: [
-                constant("ixx", aircraft.ixx.as_ref())?,
-                constant("iyy", Some(&aircraft.iyy))?,
-                constant("izz", aircraft.izz.as_ref())?,
-                constant("ixz", aircraft.ixz.as_ref())?,
-            ],
-            area: aircraft.wing_area,
-            chord: aircraft.mean_chord,
-            span: aircraft.wing_span.ok_or("`wing_span` is missing: a control law needs both groups of axes")?,
+            ixx: constant("ixx", aircraft.ixx.as_ref())?,
+            iyy: constant("iyy", Some(&aircraft.iyy))?,
+            izz: constant("izz", aircraft.izz.as_ref())?,
+            ixz: constant("ixz", aircraft.ixz.as_ref())?,
+        };
+        for (name, value) in [("thrust_arm", aircraft.thrust_arm), ("rotor_momentum", aircraft.rotor_momentum)] {
+            if value != 0.0 {
+                return Err(format!("`{name}` makes moments that a control law does not know: leave it out"));
+            }
+        }
+        let mut terms = Vec::new();
+        for parameter in &model.parameters {
+            let (coefficient, term) = match &parameter.role {
+                Role::Term(coefficient, term) => (*coefficient, term.clone()),
+                // What takes up the error of a coefficient is a part of it: a constant.
+                Role::Offset(coefficient) => (*coefficient, Term::default()),
+                Role::Bias(_) => continue,
+            };
+            if term.powers().any(|(variable, _)| variable >= Variable::AlphaRate.index()) {
+                return Err(format!(
+                    "`{}` multiplies `{}`, which the local model of a control law does not have",
+                    parameter.name,
+                    term.text(&model.extra_inputs)
+                ));
+            }
+            let fixed = parameter.fixed.then_some(parameter.start);
+            terms.push(BodyTerm { parameter: parameter.name.clone(), coefficient, term, fixed });
+        }
+        Ok(Self {
+            mass: mass
+                .properties(aircraft.rotor_momentum)
+                .ok_or("mass and moments of inertia belong to no body: `mass`, `ixx`, `iyy`, `izz`, `ixz`")?,
+            geometry: Geometry {
+                wing_area: aircraft.wing_area,
+                span: aircraft.wing_span.ok_or("`wing_span` is missing: a control law needs both groups of axes")?,
+                mean_chord: aircraft.mean_chord,
+                // Coefficients are about the centre of gravity, wherever that is.
+                cg: 0.25,
+                cg_reference: 0.25,
+            },
             gravity: aircraft.gravity,
             reference_speed: aircraft.reference_speed.unwrap_or(f64::NAN),
+            rates_by_reference: model.rate_speed == RateSpeed::Reference,
             reference: [
                 given("alpha", model.reference.alpha)?,
                 given("elevator", model.reference.elevator)?,
                 given("aileron", model.reference.aileron)?,
                 given("rudder", model.reference.rudder)?,
             ],
-            terms: terms.collect(),
+            terms,
         })
     }
 
@@ -213,24 +251,6 @@ impl Body {
         }
         Ok(())
     }
-
-    fn reach(&self, speed: f64, density: f64) -> Reach {
-        let [ixx, iyy, izz, ixz] = self.inertia;
-        let determinant = ixx * izz - ixz * ixz;
-        let inverse = [
-            [izz / determinant, 0.0, ixz / determinant],
-            [0.0, 1.0 / iyy, 0.0],
-            [ixz / determinant, 0.0, ixx / determinant],
-        ];
-        let force = 0.5 * density * speed * speed * self.area;
-        let lengths = [self.span, self.chord, self.span];
-        Reach {
-            accelerations: std::array::from_fn(|i| std::array::from_fn(|k| inverse[i][k] * force * lengths[k])),
-            turning: force / (self.mass * speed),
-            span_time: self.span / (2.0 * speed),
-            chord_time: self.chord / (2.0 * speed),
-        }
-    }
 }
 
 /// The estimate of an aircraft whose aerodynamics are the parameters alone, at the trim's attitude, at an airspeed (m/s) and air
@@ -246,17 +266,8 @@ pub fn whole(
     speed: f64,
     density: f64,
 ) -> Estimate {
-    const LINEAR: [Variable; 8] = [
-        Variable::Alpha,
-        Variable::Beta,
-        Variable::RollRate,
-        Variable::PitchRate,
-        Variable::YawRate,
-        Variable::Elevator,
-        Variable::Aileron,
-        Variable::Rudder,
-    ];
-    let reach = body.reach(speed, density);
+    let rate_speed = if body.rates_by_reference { body.reference_speed } else { speed };
+    let reach = Reach::new(&body.geometry, &body.mass, density, speed, rate_speed);
     let [alpha, elevator, aileron, rudder] = body.reference;
     let mut at = [0.0; FACTORS];
     at[Variable::Alpha.index()] = trim.alpha_rad - alpha;
@@ -266,14 +277,15 @@ pub fn whole(
     at[Variable::Rudder.index()] = trim.rudder_rad - rudder;
     let mut model = LocalModel { alpha: trim.alpha_rad, speed, gravity: body.gravity, ..LocalModel::default() };
     let mut variance = LocalModel::default();
-    for (name, coefficient, term, fixed) in &body.terms {
-        let found = parameters.iter().find(|parameter| parameter.name == *name);
+    for BodyTerm { parameter, coefficient, term, fixed } in &body.terms {
+        let found = parameters.iter().find(|found| found.name == *parameter);
         let (value, std_error) = match (found, fixed) {
             (Some(found), _) => (found.value, found.std_error),
             (None, Some(value)) => (*value, 0.0),
             (None, None) => continue,
         };
-        let parts = LINEAR.iter().map(|variable| (variable.short_name(), term.slope(variable.index(), &at)));
+        let slope = |variable: &Variable| (variable.short_name(), term.slope(variable.index(), &at));
+        let parts = Variable::OF_DERIVATIVES.iter().map(slope);
         for (variable, part) in parts.chain([("0", term.value(&at))]) {
             if part != 0.0 {
                 let scaled = Increment { name: String::new(), value: value * part, std_error: std_error * part.abs() };
@@ -296,16 +308,16 @@ struct Reach {
 }
 
 impl Reach {
-    fn of<A: Aircraft>(aircraft: &A, speed: f64, altitude: f64) -> Self {
-        let (geometry, mass) = (aircraft.geometry(), aircraft.mass_properties());
-        let force = 0.5 * aircraft.atmosphere().at(altitude).density * speed * speed * geometry.wing_area;
+    /// At an air density (kg/m^3) and airspeed (m/s); `rate_speed` (m/s) makes the rates dimensionless.
+    fn new(geometry: &Geometry, mass: &MassProperties, density: f64, speed: f64, rate_speed: f64) -> Self {
+        let force = 0.5 * density * speed * speed * geometry.wing_area;
         let lengths = [geometry.span, geometry.mean_chord, geometry.span];
         let inverse = mass.inverse_inertia();
         Self {
             accelerations: std::array::from_fn(|i| std::array::from_fn(|k| inverse[i][k] * force * lengths[k])),
             turning: force / (mass.mass() * speed),
-            span_time: geometry.span / (2.0 * speed),
-            chord_time: geometry.mean_chord / (2.0 * speed),
+            span_time: geometry.span / (2.0 * rate_speed),
+            chord_time: geometry.mean_chord / (2.0 * rate_speed),
         }
     }
 }
@@ -413,5 +425,65 @@ mod tests {
         }
         assert!((found.model.alpha_by_alpha - truth.alpha_by_alpha).abs() < 1e-12);
         assert!(found.std_error.rates[1][ALPHA] > 0.0 && found.std_error.rates[1][P] == 0.0);
+    }
+
+    const MODEL: &str = include_str!("../examples/transport/model.toml");
+
+    /// The model file as an aircraft of its own, linearised, has the motion that its parameters make: with offsets, with terms that
+    /// are not linear, and with rates by the reference speed.
+    #[test]
+    fn parameters_alone_give_the_motion_of_their_aircraft() {
+        let text = MODEL
+            .replace("thrust = { channel = \"thrust\" }", "thrust = 0\nreference_speed = \"40 m/s\"")
+            .replace("Cm = [\"1\", ", "offsets = true\nCm = [")
+            .replace("Cm_0 = { start = 0.0", "offset_Cm = { start = 0.01")
+            .replace("input = \"interpolated\"", "input = \"interpolated\"\nrate_speed = \"reference\"");
+        let model = ModelFile::parse("model.toml", &text).unwrap();
+        let aircraft = phugoid_identification::aircraft::ModelAircraft::new(&model).unwrap();
+        let condition = phugoid_flight_dynamics::trim::TrimCondition::steady(&aircraft, 46.0, 300.0, 0.0, 0.0);
+        let trim = phugoid_flight_dynamics::trim::trim(&aircraft, &condition).unwrap();
+        // About another attitude than its trim, so that something is out of trim.
+        let trim = Trim { elevator_rad: trim.elevator_rad + 0.01, alpha_rad: trim.alpha_rad + 0.02, ..trim };
+        let state = trim.state();
+        let linear = linearize(&aircraft, &state, &trim.controls(), &Disturbance::default());
+        let truth = local_model(&linear, trim.alpha_rad, trim.speed_m_s, aircraft.gravity());
+        let known = model.parameters.iter().map(|p| Increment { name: p.name.clone(), value: p.start, std_error: 0.0 });
+        let density = aircraft.atmosphere().at(300.0).density;
+        let body = Body::of(&model).unwrap();
+        let known: Vec<Increment> = known.collect();
+        let found = whole(&body, &known, &trim, &Declared::UNSTATED, 46.0, density).model;
+        let is_near = |found: f64, truth: f64, of: &str| {
+            assert!((found - truth).abs() < 1e-9 * (1.0 + truth.abs()), "{of}: {found} {truth}");
+        };
+        for i in 0..AXES {
+            for j in 0..VARIABLES {
+                is_near(found.rates[i][j], truth.rates[i][j], &format!("rates {i} {j}"));
+            }
+            for j in 0..3 {
+                is_near(found.surfaces[i][j], truth.surfaces[i][j], &format!("surfaces {i} {j}"));
+            }
+            is_near(found.constant[i], truth.constant[i], &format!("constant {i}"));
+        }
+        // To first order in small angles.
+        assert!((found.alpha_by_alpha / truth.alpha_by_alpha - 1.0).abs() < 0.02);
+        assert!((found.alpha_by_elevator / truth.alpha_by_elevator - 1.0).abs() < 0.02);
+        assert!((found.beta_by_beta / truth.beta_by_beta - 1.0).abs() < 0.05);
+    }
+
+    #[test]
+    fn what_a_control_law_would_leave_out_is_refused() {
+        let refused = |from: &str, to: &str| {
+            assert!(MODEL.contains(from), "{from}");
+            Body::of(&ModelFile::parse("model.toml", &MODEL.replacen(from, to, 1)).unwrap()).unwrap_err()
+        };
+        // The elevator's term becomes one of the flap, under the same parameter's line.
+        let flap = MODEL.replace("CL_elevator", "CL_flap").replacen("\"elevator\"]", "\"flap\"]", 1);
+        let flap = flap.replacen("input =", "inputs = [\"flap\"]\ninput =", 1);
+        let found = Body::of(&ModelFile::parse("model.toml", &flap).unwrap()).unwrap_err();
+        assert!(found.contains("multiplies `flap`"), "{found}");
+        let found = refused("[reference]", "thrust_arm = \"0.1 m\"\n[reference]");
+        assert!(found.contains("thrust_arm"), "{found}");
+        let found = refused("ixx = \"1.6554 kg*m^2\"", "ixx = { channel = \"ixx\" }");
+        assert!(found.contains("`ixx` comes from a channel"), "{found}");
     }
 }

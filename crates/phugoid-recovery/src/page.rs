@@ -2,10 +2,9 @@
 
 use std::sync::Arc;
 
+use phugoid_control::lost::{Lost, Name};
 use phugoid_evaluation::chart::{Axis, Chart, Content, Curve, Level as Line, Meaning, Panel, Shape};
 use phugoid_evaluation::table::{Cell, Column, Table};
-
-use phugoid_control::lost::{Lost, Name};
 
 use crate::controller::NAMES;
 use crate::flight::{Kind, RecoveryFlight};

@@ -836,6 +836,15 @@ def simulate(scenario: str, seed: Optional[int] = None) -> tuple[Record, Record,
     return Record(measured), Record(truth), json.loads(parameters)
 
 
+def _aircraft(
+    aircraft: str | os.PathLike[str],
+    with_files: Iterable[str | os.PathLike[str]],
+    properties: Optional[Mapping[str, float]],
+) -> tuple[str, list[str], list[tuple[str, float]]]:
+    files = [os.fspath(file) for file in with_files]
+    return os.fspath(aircraft), files, [(name, float(value)) for name, value in (properties or {}).items()]
+
+
 def trim(
     altitude_m: float,
     speed_m_s: float,
@@ -862,9 +871,7 @@ def trim(
             cg,
             flight_path_rad,
             turn_rate_rad_s,
-            os.fspath(aircraft),
-            [os.fspath(file) for file in with_files],
-            [(name, float(value)) for name, value in (properties or {}).items()],
+            *_aircraft(aircraft, with_files, properties),
         )
     )
     return document
@@ -892,9 +899,7 @@ def linearize(
             cg,
             flight_path_rad,
             turn_rate_rad_s,
-            os.fspath(aircraft),
-            [os.fspath(file) for file in with_files],
-            [(name, float(value)) for name, value in (properties or {}).items()],
+            *_aircraft(aircraft, with_files, properties),
         )
     )
     for part in ("model", "longitudinal", "lateral"):

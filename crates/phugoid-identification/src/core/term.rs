@@ -108,6 +108,17 @@ impl Variable {
         Self::Rudder,
         Self::AlphaRate,
     ];
+    /// The variables by which stability and control derivatives are taken, and of which a local linear model is made.
+    pub const OF_DERIVATIVES: [Self; 8] = [
+        Self::Alpha,
+        Self::Beta,
+        Self::RollRate,
+        Self::PitchRate,
+        Self::YawRate,
+        Self::Elevator,
+        Self::Aileron,
+        Self::Rudder,
+    ];
     const NAMES: [&'static str; Self::ALL.len()] =
         ["alpha", "beta", "p_hat", "q_hat", "r_hat", "v_hat", "elevator", "aileron", "rudder", "alpha_dot_hat"];
 
@@ -337,7 +348,8 @@ impl Term {
         }
     }
 
-    /// Derivative with respect to one of the flight variables, where they have these values.
+    /// Derivative with respect to one of the flight variables (by its position, [`Variable::index`]), where they have these values, in
+    /// their units: rad, and 1 for what is made dimensionless. Zero for a variable that the term does not have.
     pub fn slope(&self, variable: usize, factors: &[f64; FACTORS]) -> f64 {
         let value = |index: usize| factors.get(index).copied().unwrap_or(0.0);
         let plain = self.factors.iter().map(|&(index, power)| {

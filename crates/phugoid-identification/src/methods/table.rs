@@ -111,8 +111,11 @@ fn rows<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize>
 /// constants, is 600 kB, of which a debug build holds three copies until it is on the heap: more than a thread of 2 MB has left.
 const STACK: usize = 16 << 20;
 
-/// Makes an estimator and puts it on the heap, in a thread of its own: whoever asks for one may have a small stack. Where no
-/// thread can be had it is made here.
+/// Up to this size, bytes, an estimator is made where it is asked for: a thread takes longer to begin than it.
+const SMALL: usize = 64 << 10;
+
+/// Makes an estimator and puts it on the heap; a large one in a thread of its own, since whoever asks for it may have a small
+/// stack. Where no thread can be had it is made here.
 #[inline(never)]
 fn place<I: Input, E, const R: usize, const P: usize>(
     make: impl FnOnce() -> Result<E, SettingsError> + Send,
@@ -120,6 +123,9 @@ fn place<I: Input, E, const R: usize, const P: usize>(
 where
     E: Inspect<R, P, Input = I> + Send + 'static,
 {
+    if size_of::<E>() <= SMALL {
+        return on_the_heap(make);
+    }
     let mut make = Some(make);
     let made = std::thread::scope(|scope| {
         let here = &mut make;

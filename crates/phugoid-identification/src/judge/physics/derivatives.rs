@@ -47,18 +47,6 @@ pub(super) struct Derivative {
 #[derive(Default)]
 pub(super) struct Derivatives(pub(super) Vec<Derivative>);
 
-/// The variables by which derivatives are taken.
-const VARIABLES: [Variable; 8] = [
-    Variable::Alpha,
-    Variable::Beta,
-    Variable::RollRate,
-    Variable::PitchRate,
-    Variable::YawRate,
-    Variable::Elevator,
-    Variable::Aileron,
-    Variable::Rudder,
-];
-
 impl Derivatives {
     pub(super) fn of<M: Motion<N, R>, const N: usize, const R: usize>(
         task: &Task<M, N, R>,
@@ -90,7 +78,7 @@ impl Derivatives {
         let mut found = Vec::new();
         for coefficient in Coefficient::ALL {
             let own: Vec<&Piece> = pieces.iter().filter(|p| p.coefficient == coefficient).collect();
-            for variable in VARIABLES.into_iter().map(Some).chain([None]) {
+            for variable in Variable::OF_DERIVATIVES.into_iter().map(Some).chain([None]) {
                 found.extend(derivative(&own, coefficient, variable, correlation, flown));
             }
         }
