@@ -168,6 +168,17 @@ def flights(spec: Aircraft, split: str, repetition: int | None = None) -> list[P
     return _planned(spec, split, repetition, (("longitudinal", _longitudinal()), ("lateral", _lateral())))
 
 
+def gliding_flights(spec: Aircraft, split: str, repetition: int | None = None) -> list[Plan]:
+    """The flights of one aircraft without thrust, but for those that change it."""
+    kinds = [(axes, [one for one in list_ if "thrust" not in one]) for axes, list_ in (("longitudinal", _longitudinal()), ("lateral", _lateral()))]
+    plans = _planned(spec, split, repetition, kinds)
+    for plan in plans:
+        plan.gliding = True
+        plan.seed = zlib.crc32(f"{spec.name}/gliding/{plan.name}/{plan.seed}".encode())
+        plan.name = f"glide-{plan.name}"
+    return plans
+
+
 def _planned(spec: Aircraft, split: str, repetition: int | None, lists) -> list[Plan]:
     if split == "develop" and spec.look_once_only:
         return []

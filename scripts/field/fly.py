@@ -45,6 +45,8 @@ class Plan:
     # beginning, and the model file has not.
     added: dict = field(default_factory=dict)
     kind: str = "sound"
+    # Without thrust, on a path that descends.
+    gliding: bool = False
     conditions: tuple = ()
 
 
@@ -63,7 +65,7 @@ def fly(sim: Simulator, plan: Plan, rng) -> Flown:
     spec = sim.spec
     speed = spec.speed * rng.uniform(0.94, 1.08)
     altitude = spec.altitude * rng.uniform(0.9, 1.1)
-    trim = sim.trim(speed, altitude)
+    trim = sim.trim(speed, altitude, plan.gliding)
     if trim["residual"] > 1e-7:
         raise RuntimeError(f"{spec.name}: no trim at {speed:.0f} m/s (residual {trim['residual']:.1e})")
     m = sim.response(trim)
@@ -95,10 +97,10 @@ def fly(sim: Simulator, plan: Plan, rng) -> Flown:
         sim.set(f"field/{name}", 0.0)
     added = _added(sim, plan, trim)
     if wind is not None:
-        sim.set_wind(*_to_earth(wind[0], trim["phi"], trim["alpha"], 0.0))
+        sim.set_wind(*_to_earth(wind[0], trim["phi"], trim["theta"], 0.0))
     sim.set_surfaces(trim["elevator"], trim["aileron"], trim["rudder"])
     sim.set_thrust(trim["thrust"])
-    sim.start(speed, altitude, trim["alpha"], 0.0, trim["phi"])
+    sim.start(speed, altitude, trim["alpha"], 0.0, trim["phi"], climb=trim["climb"])
     sim.place_thrust()
     sim.changes = dict(added)
     every = int(round(1 / RECORD_HZ / step))
@@ -123,7 +125,7 @@ def fly(sim: Simulator, plan: Plan, rng) -> Flown:
         phi, theta = get("attitude/phi-rad"), get("attitude/theta-rad")
         p, q, r = get("velocities/p-rad_sec"), get("velocities/q-rad_sec"), get("velocities/r-rad_sec")
         asked = (
-            trim["elevator"] + commands["elevator"][k] + gq * q + gtheta * (theta - trim["alpha"]),
+            trim["elevator"] + commands["elevator"][k] + gq * q + gtheta * (theta - trim["theta"]),
             trim["aileron"] + commands["aileron"][k] + gp * p + gphi * (phi - trim["phi"]),
             trim["rudder"] + commands["rudder"][k] + gr * r,
         )

@@ -5,6 +5,7 @@
                           [--repetition N] [--jobs N] [--exact]
     scripts/field/make.py FOLDER --feedback [...]
     scripts/field/make.py FOLDER --structure [...]
+    scripts/field/make.py FOLDER --gliding [...]
     scripts/field/make.py crates/phugoid-evaluation/tests/field --sample
 
 Needs `jsbsim` and `numpy` as pinned in tests/python/requirements.txt. The same numbers come out every time.
@@ -25,8 +26,8 @@ import numpy as np
 import instruments
 import model_file
 import truth
-from aircraft import FLEET, STRANGERS
-from catalogue import FEEDBACK_REPETITIONS, REPETITIONS, SAMPLE, feedback_flights, flights, structure_flights
+from aircraft import FLEET, NEWCOMERS, STRANGERS
+from catalogue import FEEDBACK_REPETITIONS, REPETITIONS, SAMPLE, feedback_flights, flights, gliding_flights, structure_flights
 from fly import Plan, fly
 from simulator import Simulator
 
@@ -40,6 +41,11 @@ def write_exact(path: pathlib.Path, at: np.ndarray, rows: np.ndarray, flown) -> 
     called = {"CL": "c_lift", "CD": "c_drag", "CY": "c_side", "Cl": "c_roll", "Cm": "c_pitch", "Cn": "c_yaw"}
     header = ",".join(("time_s", *names, *(called[c] for c in flown.coefficients)))
     np.savetxt(path, np.column_stack(columns), fmt="%.9g", delimiter=",", header=header, comments="")
+
+
+def model_name(plan: Plan) -> str:
+    """Which model file belongs to a flight; an aircraft that glides has no thrust to record."""
+    return f"{'glide-' if plan.gliding else ''}{plan.axes}.toml"
 
 
 def one_flight(sim: Simulator, plan: Plan, split: str, folder: pathlib.Path, exact: bool = False) -> dict:
@@ -66,7 +72,7 @@ def one_flight(sim: Simulator, plan: Plan, split: str, folder: pathlib.Path, exa
         "rate_hz": plan.rate_hz,
         "duration_s": plan.duration,
         "seed": plan.seed,
-        "model": f"{plan.axes}.toml",
+        "model": model_name(plan),
         "record": f"{plan.name}.csv",
         "trim": {k: v for k, v in flown.trim.items() if k != "response"},
         "noise": noise,
@@ -105,8 +111,8 @@ def one_aircraft(job) -> list[str]:
         ]
         if not plans:
             return []
-        for axes in {plan.axes for plan in plans}:
-            model_file.write(place / f"{axes}.toml", sim, spec, axes)
+        for plan in {model_name(plan): plan for plan in plans}.values():
+            model_file.write(place / model_name(plan), sim, spec, plan.axes, plan.gliding)
         for plan in plans:
             try:
                 # Another one for each flight, so that nothing of the last one is left in it.
@@ -136,6 +142,7 @@ def main() -> None:
     parser.add_argument("--only", nargs="+", default=[], help="flights whose name contains one of these")
     parser.add_argument("--aircraft", nargs="+", default=[], help="these aircraft only")
     parser.add_argument("--strangers", action="store_true", help="the aircraft that came later, which are in neither part")
+    parser.add_argument("--newcomers", action="store_true", help="aircraft of other kinds that came after those, in neither part either")
     parser.add_argument("--split", choices=("develop", "look-once"), help="this part only")
     parser.add_argument(
         "--repetition",
@@ -145,6 +152,7 @@ def main() -> None:
     parser.add_argument("--sample", action="store_true", help="the few flights that are kept in the project")
     others = parser.add_mutually_exclusive_group()
     others.add_argument("--feedback", action="store_true", help="stabilised aircraft in place of the field: flights with a flight control system")
+    others.add_argument("--gliding", action="store_true", help="flights without thrust, in place of the field")
     others.add_argument("--structure", action="store_true", help="flights of aircraft with a term that no model file has, in place of the field")
     parser.add_argument("--exact", action="store_true", help="beside each record what happened without instruments, as NAME.exact.csv")
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
@@ -159,16 +167,16 @@ def main() -> None:
     began = time.time()
     splits = ("develop",) if arguments.sample else (arguments.split,) if arguments.split else ("develop", "look-once")
     aircraft = list(SAMPLE) if arguments.sample else arguments.aircraft
-    everyone = FLEET + STRANGERS
+    everyone = FLEET + STRANGERS + NEWCOMERS
     if unknown := set(aircraft) - {spec.name for spec in everyone}:
         parser.error(f"no such aircraft: {', '.join(sorted(unknown))}; there are {', '.join(spec.name for spec in everyone)}")
     wanted = Wanted(arguments.only, arguments.sample)
-    catalogue = feedback_flights if arguments.feedback else structure_flights if arguments.structure else flights
+    catalogue = feedback_flights if arguments.feedback else structure_flights if arguments.structure else gliding_flights if arguments.gliding else flights
     jobs = [
         (spec, split, arguments.repetition, arguments.folder, arguments.step, wanted, arguments.exact, catalogue)
         for split in splits
         for spec in everyone
-        if (spec.name in aircraft if aircraft else spec in (STRANGERS if arguments.strangers else FLEET)) and not (split == "develop" and spec.look_once_only)
+        if (spec.name in aircraft if aircraft else spec in (NEWCOMERS if arguments.newcomers else STRANGERS if arguments.strangers else FLEET)) and not (split == "develop" and spec.look_once_only)
     ]
     left_out = 0
     # A process of its own for each aircraft: JSBSim ends the process where a description is wrong.

@@ -6,7 +6,7 @@ WHICH = {"longitudinal": '"longitudinal"', "lateral": '"lateral"', "six": '"long
 WORDS = {"0": "1", "p": "p_hat", "q": "q_hat", "r": "r_hat", "alpha2": "alpha^2"}
 
 
-def write(path, sim, spec, axes: str) -> None:
+def write(path, sim, spec, axes: str, gliding: bool = False) -> None:
     """Writes the model file of `axes`. It knows nothing of the truth: starts are textbook values of the class."""
     cl_alpha, cm_alpha, cm_q, cm_elevator = spec.guess
     guess = {
@@ -33,7 +33,7 @@ def write(path, sim, spec, axes: str) -> None:
         f'wing_area = "{sim.wing_area:.6g} m^2"',
         f'mean_chord = "{sim.chord:.6g} m"',
         f'wing_span = "{sim.span:.6g} m"',
-        'thrust = { channel = "thrust" }',
+        'thrust = "0 N"' if gliding else 'thrust = { channel = "thrust" }',
         'air_density = { channel = "air_density" }' if spec.density == "channel" else 'air_density = "standard_atmosphere"',
         "",
         "[coefficients]",

@@ -162,14 +162,14 @@ class Simulator:
         self.set("atmosphere/gust-east-fps", east / FT)
         self.set("atmosphere/gust-down-fps", down / FT)
 
-    def start(self, speed: float, altitude: float, alpha: float, beta: float = 0.0, phi: float = 0.0, rates=(0, 0, 0)):
-        """Initial condition: m/s, m, rad, rad/s; heading north, attitude of level flight."""
+    def start(self, speed: float, altitude: float, alpha: float, beta: float = 0.0, phi: float = 0.0, rates=(0, 0, 0), climb: float = 0.0):
+        """Initial condition: m/s, m, rad, rad/s; heading north. `climb` is the angle of the flight path, rad, in flight without bank."""
         fdm = self.fdm
         fdm["ic/lat-geod-deg"] = 47.0
         fdm["ic/long-gc-deg"] = 8.0
         fdm["ic/h-sl-ft"] = altitude / FT
         fdm["ic/psi-true-deg"] = 0.0
-        fdm["ic/theta-rad"] = alpha
+        fdm["ic/theta-rad"] = alpha + climb
         fdm["ic/phi-rad"] = phi
         fdm["ic/u-fps"] = speed * math.cos(alpha) * math.cos(beta) / FT
         fdm["ic/v-fps"] = speed * math.sin(beta) / FT
@@ -264,15 +264,17 @@ class Simulator:
         y, z = self.get("forces/fby-aero-lbs"), self.get("forces/fbz-aero-lbs")
         return x / mass * FT, y / mass * FT, z / mass * FT
 
-    def trim(self, speed: float, altitude: float) -> dict[str, float]:
-        """Level straight flight, by Newton's method on six accelerations: alpha, thrust, elevator, phi, aileron, rudder."""
+    def trim(self, speed: float, altitude: float, gliding: bool = False) -> dict[str, float]:
+        """Straight flight, by Newton's method on six accelerations: alpha, thrust, elevator, phi, aileron, rudder. It is level,
+        or without thrust (`gliding`): then the angle of the flight path, `climb` (rad), is found in the place of the thrust."""
 
         def residual(x):
+            thrust, climb = (0.0, x[1]) if gliding else (x[1], 0.0)
             self.set_surfaces(x[2], x[4], x[5])
-            self.set_thrust(x[1] * self.mass * 9.8)
-            self.start(speed, altitude, x[0], 0.0, x[3])
+            self.set_thrust(thrust * self.mass * 9.8)
+            self.start(speed, altitude, x[0], 0.0, x[3], climb=climb)
             self.place_thrust()
-            self.start(speed, altitude, x[0], 0.0, x[3])
+            self.start(speed, altitude, x[0], 0.0, x[3], climb=climb)
             return np.array([
                 self.get(f"accelerations/{a}dot-ft_sec2") * FT / 9.8 for a in "uvw"
             ] + [self.get(f"accelerations/{a}dot-rad_sec2") for a in "pqr"])
@@ -295,7 +297,9 @@ class Simulator:
         r = residual(x)
         names = ("alpha", "thrust", "elevator", "phi", "aileron", "rudder")
         trim = dict(zip(names, map(float, x)))
-        trim["thrust"] *= self.mass * 9.8
+        trim["climb"] = trim["thrust"] if gliding else 0.0
+        trim["theta"] = trim["alpha"] + trim["climb"]
+        trim["thrust"] *= 0.0 if gliding else self.mass * 9.8
         trim |= {"speed": speed, "altitude": altitude, "residual": float(np.abs(r).max())}
         self.trim_speed = speed
         return trim
@@ -306,7 +310,7 @@ class Simulator:
 
         def accelerations(alpha=0.0, beta=0.0, rates=(0, 0, 0), elevator=0.0, aileron=0.0, rudder=0.0):
             self.set_surfaces(trim["elevator"] + elevator, trim["aileron"] + aileron, trim["rudder"] + rudder)
-            self.start(trim["speed"], trim["altitude"], trim["alpha"] + alpha, beta, trim["phi"], rates)
+            self.start(trim["speed"], trim["altitude"], trim["alpha"] + alpha, beta, trim["phi"], rates, trim["climb"])
             return {a: self.get(f"accelerations/{a}dot-rad_sec2") for a in "pqr"}
 
         def slope(axis, h=0.01, **one):
@@ -333,6 +337,6 @@ class Simulator:
             half_chord, half_span = self.chord / (2 * trim["speed"]), self.span / (2 * trim["speed"])
             rates = (move["p"] / half_span, move["q"] / half_chord, move["r"] / half_span)
             self.set_surfaces(*(trim[s] + move[s] for s in ("elevator", "aileron", "rudder")))
-            self.start(trim["speed"], trim["altitude"], trim["alpha"] + move["alpha"], move["beta"], trim["phi"], rates)
+            self.start(trim["speed"], trim["altitude"], trim["alpha"] + move["alpha"], move["beta"], trim["phi"], rates, trim["climb"])
             values.append(self.coefficients()[coefficient])
         return (values[0] - values[1]) / (2 * h)

@@ -47,4 +47,4 @@ class Longitudinal:
     def step(self, step, phi, theta, p, q, r, beta, altitude, aileron):
         """Elevator, aileron and rudder to be added, rad."""
         wanted = min(max(self.kh * (self.trim["altitude"] - altitude), -0.15), 0.15)
-        return self.kq * q + self.ktheta * (theta - self.trim["alpha"] - wanted), 0.0, 0.0
+        return self.kq * q + self.ktheta * (theta - self.trim["theta"] - wanted), 0.0, 0.0
