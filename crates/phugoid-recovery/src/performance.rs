@@ -23,6 +23,10 @@ const TAIL: f64 = 0.01;
 const FEWEST: usize = 100;
 /// Angles of attack between the smallest and the largest.
 const STEPS: usize = 40;
+/// One standard deviation of the constant error of an accelerometer, g, which nothing tells from a force: that of the built-in model files.
+const ACCELEROMETER: f64 = 0.005;
+/// The same of the thrust, a part: that of the class `unstated` (docs/model-file.md). Without acceleration thrust is the drag.
+const THRUST: f64 = 0.05;
 /// Reference landing speed over the stall speed.
 const APPROACH: f64 = 1.3;
 
@@ -126,7 +130,8 @@ pub(crate) fn performance(flown: &Flown<'_>, polar: &dyn Fn(f64) -> Polar) -> Op
     let [least, most] = [at(TAIL).min(flown.alpha), at(1.0 - TAIL).max(flown.alpha)];
     let (now, reached) = (polar(flown.alpha), polar(most));
     let [lift, drag] = now.value;
-    let error = |weights: [f64; 2]| now.variance(weights, None, flown.covariance).sqrt();
+    let [lift_bias, drag_bias] = declared(&now);
+    let error = |weights: [f64; 2], bias: f64| now.variance(weights, None, flown.covariance).sqrt().hypot(bias);
     let degrees = |alpha: f64| format!("{:.1} deg", alpha.to_degrees());
     let glide_ratio = ratio(&now, flown.covariance, format!("at the present {}", degrees(flown.alpha)));
     let glide_range_m = match (glide_ratio.value, glide_ratio.std_error) {
@@ -168,8 +173,8 @@ pub(crate) fn performance(flown: &Flown<'_>, polar: &dyn Fn(f64) -> Polar) -> Op
     Some(Performance {
         alpha: flown.alpha,
         alpha_flown: [least, most],
-        lift: Quantity::known(lift, error([1.0, 0.0]), "at the present angle of attack"),
-        drag: Quantity::known(drag, error([0.0, 1.0]), "at the present angle of attack"),
+        lift: Quantity::known(lift, error([1.0, 0.0], lift_bias), "at the present angle of attack"),
+        drag: Quantity::known(drag, error([0.0, 1.0], drag_bias), "at the present angle of attack"),
         glide_ratio,
         glide_range_m,
         best_glide_ratio,
@@ -180,10 +185,17 @@ pub(crate) fn performance(flown: &Flown<'_>, polar: &dyn Fn(f64) -> Polar) -> Op
     })
 }
 
+/// One standard deviation of lift and drag coefficient from what leaves no trace in residuals. In level flight the lift is the weight.
+fn declared(polar: &Polar) -> [f64; 2] {
+    let [lift, drag] = polar.value;
+    [ACCELEROMETER * lift, (ACCELEROMETER * lift).hypot(THRUST * drag)]
+}
+
 /// Lift over drag with its standard error.
 fn ratio(polar: &Polar, covariance: &[Vec<f64>], note: String) -> Quantity {
     let [lift, drag] = polar.value;
-    let drag_error = polar.variance([0.0, 1.0], None, covariance).sqrt();
+    let [lift_bias, drag_bias] = declared(polar);
+    let drag_error = polar.variance([0.0, 1.0], None, covariance).sqrt().hypot(drag_bias);
     // Beyond that a ratio has no standard error.
     if !(lift > 0.0 && drag > 3.0 * drag_error) {
         return Quantity::unknown(format!(
@@ -193,7 +205,7 @@ fn ratio(polar: &Polar, covariance: &[Vec<f64>], note: String) -> Quantity {
     }
     let value = lift / drag;
     let std_error = polar.variance([1.0 / drag, -value / drag], None, covariance).sqrt();
-    Quantity::known(value, std_error, note)
+    Quantity::known(value, std_error.hypot((lift_bias / drag).hypot(value * drag_bias / drag)), note)
 }
 
 /// The largest ratio of lift to drag between two angles of attack.
@@ -314,7 +326,9 @@ mod tests {
         assert!((ratio.value.unwrap() - 0.4 / 0.038).abs() < 1e-9);
         // d(CL/CD) = 0.01 (1/CD - CL/CD^2 0.04) and 0.002 CL/CD^2.
         let (by_lift, by_drag): (f64, f64) = (0.01 / 0.038 * (1.0 - 0.4 / 0.038 * 0.04), 0.002 * 0.4 / 0.038 / 0.038);
-        assert!((ratio.std_error.unwrap() - by_lift.hypot(by_drag)).abs() < 1e-9, "{ratio:?}");
+        // Accelerometers: 0.002 of either; thrust: 5 % of the drag.
+        let declared = (0.002_f64 / 0.038).hypot(0.4 / 0.038 / 0.038 * 0.002_f64.hypot(0.0019));
+        assert!((ratio.std_error.unwrap() - by_lift.hypot(by_drag).hypot(declared)).abs() < 1e-9, "{ratio:?}");
         assert!((found.glide_range_m.value.unwrap() - 10_526.3).abs() < 0.1);
         // The best is at CL = sqrt(0.03/0.05) = 0.775, beyond what was flown.
         assert!(found.best_glide_ratio.note.contains("largest that was flown"), "{found:?}");
