@@ -10,8 +10,9 @@ use crate::local::{AXES, LocalModel, P, Q, R, SURFACES, VARIABLES};
 const LENGTH: usize = 60;
 /// Time between two of them, s.
 const EVERY: f64 = 0.05;
-/// Time constant of the filter of everything, s: beyond it gyroscopes say more about their noise than about the aircraft.
-const LAG: f64 = 0.08;
+/// Time constant of the filter of everything, s: beyond it gyroscopes say more about their noise than about the aircraft. What is said
+/// of now was so long ago.
+pub const LAG: f64 = 0.08;
 /// Samples of the short look: six tenths of a second.
 const SHORT: usize = 12;
 /// Samples between the two of a change.

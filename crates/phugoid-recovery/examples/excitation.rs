@@ -21,11 +21,13 @@ const TEXT: &str = include_str!("../../../scenarios/f16-recovery.toml");
 const LIMITS: [f64; 6] = [0.0, 0.05, 0.1, 0.2, 0.5, 1.0];
 const CLASSES: [Class; 5] = [Class::Stability, Class::Elevator, Class::Ailerons, Class::Rudder, Class::VerticalTail];
 
-/// Times from the damage to the adoption of a change, and to new gains, s; peak of the added load factor until then, g.
+/// Times from the damage to the adoption of a change, and to new gains, s; largest difference of the load factor from one after the
+/// damage, g; largest size of the added input, 0 to 1.
 struct Told {
     adopted_s: Option<f64>,
     gains_s: Option<f64>,
     peak: f64,
+    excited: f64,
     recovered: bool,
 }
 
@@ -41,7 +43,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let seed = first + run as u64;
         let mut scenario = damaged(&base, aircraft.as_ref(), &trim, &[class], seed);
         scenario.turbulence = None;
-        let mut alone: Option<RecoveryFlight> = None;
         let mut told = Vec::new();
         for limit in LIMITS {
             let default = Excitation::default();
@@ -57,37 +58,32 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 let event = flight.events.iter().find(|e| e.kind == kind && e.time_s >= DAMAGE_AT_S);
                 event.map(|event| event.time_s - DAMAGE_AT_S)
             };
-            // Until either flight does something else about the damage, their difference is the added input's.
-            let reference = alone.as_ref().unwrap_or(&flight);
-            let same = [&flight, reference]
-                .iter()
-                .flat_map(|f| f.events.iter().filter(|e| matches!(e.kind, Kind::NewGains | Kind::Reserve)))
-                .map(|e| e.time_s)
-                .fold(f64::INFINITY, f64::min);
-            let pairs = flight.history.load_factor.iter().zip(&reference.history.load_factor);
-            let until = flight.history.time_s.partition_point(|time| *time < same);
+            let from = flight.history.time_s.partition_point(|time| *time < DAMAGE_AT_S);
+            let after_damage = flight.history.load_factor.iter().skip(from);
+            let level = (0..3).flat_map(|j| flight.history.excitation[j].iter().copied());
             told.push(Told {
                 adopted_s: after(&flight, Kind::Adopted),
                 gains_s: after(&flight, Kind::NewGains),
-                peak: pairs.take(until).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max),
+                peak: after_damage.map(|load_factor| (load_factor - 1.0).abs()).fold(0.0, f64::max),
+                excited: level.fold(0.0, f64::max),
                 recovered: flight.outcome.is_recovered(),
             });
-            alone.get_or_insert(flight);
         }
         Ok(told)
     };
     let told = monte_carlo(flights * CLASSES.len(), one, || ())?;
     println!(
-        "limit, g  damages  peak added, g: median 90 %  adopted  median 90 %, s  new gains  median 90 %, s  recovered"
+        "limit, g  damages  peak load, g: median 90 %  excited  adopted  median 90 %, s  new gains  median 90 %, s  recovered"
     );
     for (k, limit) in LIMITS.iter().enumerate() {
         let of =
             |pick: &dyn Fn(&Told) -> Option<f64>| -> Vec<f64> { told.iter().filter_map(|t| pick(&t[k])).collect() };
+        let excited = told.iter().filter(|t| t[k].excited > 0.1).count();
         let (peaks, adopted, gains) = (of(&|t| Some(t.peak)), of(&|t| t.adopted_s), of(&|t| t.gains_s));
         let pair = |values: &[f64]| [0.5, 0.9].map(|part| quantile(values.to_vec(), part));
         let ([p5, p9], [a5, a9], [g5, g9]) = (pair(&peaks), pair(&adopted), pair(&gains));
         println!(
-            "{limit:8.2}  {:7}  {p5:20.3} {p9:6.3}  {:7}  {a5:6.2} {a9:7.2}  {:9}  {g5:6.2} {g9:7.2}  {:9}",
+            "{limit:8.2}  {:7}  {p5:19.3} {p9:6.3}  {excited:7}  {:7}  {a5:6.2} {a9:7.2}  {:9}  {g5:6.2} {g9:7.2}  {:9}",
             told.len(),
             adopted.len(),
             gains.len(),

@@ -26,6 +26,8 @@ pub enum Decision {
     NewGains,
     /// The gains in reserve were taken, because the aircraft does not move as the one that the first are for.
     Reserve,
+    /// The present gains were taken without the surface that is lost.
+    LeftOut,
     /// A surface no longer does what it is told.
     Surface(usize, Following),
 }
@@ -165,7 +167,7 @@ impl Controller {
             if let Some(new) = now.with_free(self.free)
                 && self.law.change_gains(new)
             {
-                decisions.push(Decision::NewGains);
+                decisions.push(Decision::LeftOut);
             }
         } else if let Some(estimate) = told.estimate
             && let Some(new) = Gains::place_with(&estimate.model, &self.targets, self.free)

@@ -7,7 +7,7 @@ use phugoid_control::interval::Estimate;
 use phugoid_control::law::{Form, Law, Measured, Settings as LawSettings};
 use phugoid_control::local::SURFACES;
 use phugoid_control::lost::{Name, losses, name};
-use phugoid_control::prediction::Steady;
+use phugoid_control::prediction::{LAG, Steady};
 use phugoid_control::target::Targets;
 use phugoid_estimators::ChangeState;
 use phugoid_flight_dynamics::aircraft::{Aircraft, Controls};
@@ -321,7 +321,7 @@ impl<'a> Loop<'a> {
         let limits = self.controller.law().settings().limits;
         let flown = self.estimate.and_then(|estimate| Some((estimate, self.steady(&estimate)?)));
         let window = flown.map_or(LAST_S, |(_, steady)| steady.duration);
-        let window = self.scale.model_time(window);
+        let window = [window, LAG].map(|time| self.scale.model_time(time));
         let truly = truly_steady(&self.course, &self.history, &self.trim, &gains, window, self.aircraft.gravity());
         let scale = Declared::UNSTATED.surface_scale;
         let left = flown.map(|(estimate, steady)| left(&estimate, &gains, &steady, &limits, scale));
@@ -476,6 +476,7 @@ impl<'a> Loop<'a> {
                 Decision::Reserve => {
                     (Kind::Reserve, "robust gains, because the aircraft does not move as it did".to_owned())
                 }
+                Decision::LeftOut => (Kind::NewGains, "the same gains with the surfaces that are left".to_owned()),
                 Decision::NewGains => (Kind::NewGains, "new gains, because the bounds support them".to_owned()),
                 Decision::Surface(j, found) => {
                     let word = format!("{found:?}").to_lowercase();

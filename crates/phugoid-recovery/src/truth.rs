@@ -35,23 +35,24 @@ pub(crate) fn true_model<A: Aircraft>(
     model
 }
 
-/// The true means of the last `window` seconds (of the aircraft's own time) with the surfaces that hold their angle of attack and
+/// The true means of `window` seconds (of the aircraft's own time), which ended `lag` seconds ago as those that are measured behind a
+/// filter, with the surfaces that hold their angle of attack and
 /// sideslip without rates and accelerations: Newton's method on the equations of motion, by the surfaces that the gains use.
 pub(crate) fn truly_steady<A: Aircraft>(
     course: &Course<'_, A>,
     history: &History,
     trim: &Trim,
     gains: &Gains,
-    window: f64,
+    [window, lag]: [f64; 2],
     gravity: f64,
 ) -> Steady {
     // Tables are bent, so that one step does not reach it.
     const STEPS: usize = 5;
     let end = history.time_s.last().copied().unwrap_or(0.0);
-    let first = history.time_s.partition_point(|time| *time <= end - window);
+    let [first, last] = [end - lag - window, end - lag].map(|at| history.time_s.partition_point(|time| *time <= at));
     let mean = |values: &[f64]| {
-        let last = values.get(first.min(values.len())..).unwrap_or_default();
-        last.iter().sum::<f64>() / last.len().max(1) as f64
+        let within = values.get(first..last).filter(|within| !within.is_empty()).unwrap_or(values);
+        within.iter().sum::<f64>() / within.len().max(1) as f64
     };
     let mut variables = [0.0; VARIABLES];
     (variables[0], variables[1]) = (mean(&history.alpha), mean(&history.beta));
