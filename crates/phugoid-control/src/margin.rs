@@ -12,7 +12,7 @@
 
 use crate::gains::{Gains, weighted_inverse};
 use crate::interval::Estimate;
-use crate::local::{AXES, P, Q, R, SURFACES};
+use crate::local::{AXES, P, Q, R, SURFACES, VARIABLES};
 use crate::prediction::Steady;
 
 /// What is left of a surface.
@@ -42,28 +42,29 @@ pub fn margins(
     limits: &[[f64; 2]; SURFACES],
     scale: f64,
 ) -> [Margin; SURFACES] {
-    const RATES: [usize; 3] = [P, Q, R];
-    let (model, error) = (&estimate.model, &estimate.std_error);
-    let beside: [f64; AXES] = core::array::from_fn(|i| {
-        steady.accelerations[i] - RATES.iter().map(|j| model.rates[i][*j] * steady.variables[*j]).sum::<f64>()
-    });
+    let (model, error, variables) = (&estimate.model, &estimate.std_error, &steady.variables);
+    let by_rates = |row: &[f64; VARIABLES]| [row[P] * variables[P], row[Q] * variables[Q], row[R] * variables[R]];
+    let beside: [f64; AXES] =
+        core::array::from_fn(|i| steady.accelerations[i] - by_rates(&model.rates[i]).iter().sum::<f64>());
     let with = |inverse: &[[f64; AXES]; SURFACES]| -> [f64; SURFACES] {
         core::array::from_fn(|j| (0..AXES).map(|i| inverse[j][i] * beside[i]).sum::<f64>())
     };
     let moved = with(&gains.inverse);
     // Noise of the mean, and the damping by the rates that are left.
     let square: [f64; AXES] = core::array::from_fn(|i| {
-        let by_rates = RATES.iter().map(|j| error.rates[i][*j] * steady.variables[*j]);
-        steady.noise[i] * steady.noise[i] + by_rates.map(|part| part * part).sum::<f64>()
+        let damped: f64 = by_rates(&error.rates[i]).iter().map(|part| part * part).sum();
+        steady.noise[i] * steady.noise[i] + damped
     });
     // What a surface hardly moves it hardly tells apart from nothing: its inverse is then far from linear in its effect, and a whole
     // standard error is tried.
     let mut by_effects = [0.0; SURFACES];
-    for (i, j) in (0..AXES).flat_map(|i| (0..SURFACES).map(move |j| (i, j))) {
-        let mut effects = gains.surfaces;
-        effects[i][j] += error.surfaces[i][j];
-        let other = weighted_inverse(&effects, gains.free).map_or([f64::NAN; SURFACES], |inverse| with(&inverse));
-        (0..SURFACES).for_each(|k| by_effects[k] += (other[k] - moved[k]) * (other[k] - moved[k]));
+    for i in 0..AXES {
+        for j in 0..SURFACES {
+            let mut effects = gains.surfaces;
+            effects[i][j] += error.surfaces[i][j];
+            let other = weighted_inverse(&effects, gains.free).map_or([f64::NAN; SURFACES], |inverse| with(&inverse));
+            (0..SURFACES).for_each(|k| by_effects[k] += (other[k] - moved[k]) * (other[k] - moved[k]));
+        }
     }
     core::array::from_fn(|j| {
         let is_used = gains.free[j];

@@ -179,7 +179,7 @@ fn increments_to_an_aircraft_of_a_file_are_flown() {
     assert!(message.contains("another aircraft"), "{message}");
     let message = refused(&scenario, &text.replace("alpha = \"trim\"", "alpha = \"1 deg\""));
     assert!(message.contains("count alpha from 1.00 deg"), "{message}");
-    let bent = text.replace("\"elevator\", \"beta\"]", "\"elevator\", \"beta\", \"alpha^2\"]");
+    let bent = text.replace("\"beta\", \"p_hat\"]", "\"beta\", \"p_hat\", \"alpha^2\"]");
     let message = refused(&scenario, &bent.replace("dCm_q =", "dCm_alpha2 = { prior_std = 1 }\ndCm_q ="));
     assert!(message.contains("`dCm_alpha2`"), "{message}");
 }
