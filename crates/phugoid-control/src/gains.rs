@@ -160,7 +160,7 @@ impl Gains {
 }
 
 /// `(B^T W B + D)^-1 B^T W` of the free surfaces; rows of the others are zero. `None` if it has numbers that are not finite.
-fn weighted_inverse(b: &[[f64; SURFACES]; AXES], free: [bool; SURFACES]) -> Option<[[f64; AXES]; SURFACES]> {
+pub(crate) fn weighted_inverse(b: &[[f64; SURFACES]; AXES], free: [bool; SURFACES]) -> Option<[[f64; AXES]; SURFACES]> {
     let mut normal = [[0.0; SURFACES]; SURFACES];
     for i in 0..SURFACES {
         for j in 0..SURFACES {

@@ -13,7 +13,7 @@
 //! | [`following`] | whether a surface does what it is told |
 //! | [`prediction`] | which of two models has predicted the last seconds better |
 //! | [`qualities`] | handling-quality levels of MIL-F-8785C |
-//! | [`margin`] | how much of each surface is left beside what the trim takes |
+//! | [`margin`] | how much of each surface is left beside what straight flight takes now |
 //! | [`roots`] | eigenvalues of the small matrices of flight dynamics |
 #![no_std]
 #![cfg_attr(not(test), deny(clippy::unwrap_used, clippy::expect_used, clippy::panic))]

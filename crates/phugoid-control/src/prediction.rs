@@ -10,24 +10,49 @@ use crate::local::{AXES, LocalModel, P, Q, R, SURFACES, VARIABLES};
 const LENGTH: usize = 60;
 /// Time between two of them, s.
 const EVERY: f64 = 0.05;
-/// Time constant of the filter of everything, s: beyond it gyroscopes say more about their noise than about the aircraft.
-const LAG: f64 = 0.08;
+/// Time constant of the filter of everything, s: beyond it gyroscopes say more about their noise than about the aircraft. What is said
+/// of now was so long ago.
+pub const LAG: f64 = 0.08;
 /// Samples of the short look: six tenths of a second.
 const SHORT: usize = 12;
 /// Samples between the two of a change.
 const APART: usize = 6;
 /// Samples without which nothing is said: a second of flight.
 const FEWEST: usize = 20;
+/// Parts of the last seconds whose means count as independent.
+const BLOCKS: usize = 6;
+/// So few say little of their own scatter: 95 % of a mean of six lie within 2.571 standard errors (Student, five degrees of freedom), and
+/// within 1.960 of one that is known. With this factor a bound of two standard errors means the same everywhere.
+const STUDENT: f64 = 2.571 / 1.960;
+
+/// What was flown in the last seconds, on average.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Steady {
+    /// The feedback variables, rad and rad/s.
+    pub variables: [f64; VARIABLES],
+    /// Positions of elevator, aileron and rudder, rad.
+    pub surfaces: [f64; SURFACES],
+    /// Roll, pitch and yaw acceleration, rad/s^2.
+    pub accelerations: [f64; AXES],
+    /// One standard error of the mean of what a model leaves of the accelerations, rad/s^2: gusts, noise, terms that it does not have.
+    pub noise: [f64; AXES],
+    /// How long, s.
+    pub duration: f64,
+}
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Row {
     variables: [f64; VARIABLES],
     surfaces: [f64; SURFACES],
     accelerations: [f64; AXES],
+    /// Since the row before, s.
+    duration: f64,
 }
 
 impl Row {
-    const ZERO: Self = Self { variables: [0.0; VARIABLES], surfaces: [0.0; SURFACES], accelerations: [0.0; AXES] };
+    const ZERO: Self =
+        Self { variables: [0.0; VARIABLES], surfaces: [0.0; SURFACES], accelerations: [0.0; AXES], duration: 0.0 };
 }
 
 /// The last three seconds.
@@ -87,8 +112,13 @@ impl Recent {
         if self.since < EVERY {
             return;
         }
+        let row = Row {
+            variables: self.variables,
+            surfaces: self.surfaces,
+            accelerations: self.accelerations,
+            duration: self.since,
+        };
         self.since = 0.0;
-        let row = Row { variables: self.variables, surfaces: self.surfaces, accelerations: self.accelerations };
         if let Some(place) = self.rows.get_mut(self.taken % LENGTH) {
             *place = row;
         }
@@ -125,29 +155,43 @@ impl Recent {
         Some((squares.map(|square| libm::sqrt(square / n)), moved.map(|square| libm::sqrt(square / n))))
     }
 
-    /// Angular acceleration at the reference that the last three seconds show with the slopes of a model, rad/s^2: the mean of what its
-    /// slopes leave. `reference` and `surfaces` are the feedback variables and positions of the reference, rad and rad/s. Where an
-    /// estimate says something else, one of the two is wrong. `None` before a second of flight.
-    pub fn out_of_trim(
-        &self,
-        model: &LocalModel,
-        reference: &[f64; VARIABLES],
-        surfaces: &[f64; SURFACES],
-    ) -> Option<[f64; AXES]> {
+    /// What was flown in the last three seconds, on average, and how well a model's slopes say what was left of the angular
+    /// accelerations beside rates and surfaces. `None` before a second of flight.
+    pub fn steady(&self, model: &LocalModel) -> Option<Steady> {
         if self.taken < FEWEST {
             return None;
         }
         let count = self.taken.min(LENGTH);
-        let mut sums = [0.0; AXES];
-        for row in self.rows.iter().take(count) {
-            for i in 0..AXES {
-                let modelled: f64 =
-                    (0..VARIABLES).map(|j| model.rates[i][j] * (row.variables[j] - reference[j])).sum::<f64>()
-                        + (0..SURFACES).map(|j| model.surfaces[i][j] * (row.surfaces[j] - surfaces[j])).sum::<f64>();
-                sums[i] += row.accelerations[i] - modelled;
-            }
+        // The oldest row first.
+        let row = |k: usize| self.rows.get((self.taken - count + k) % LENGTH);
+        let mut steady = Steady::default();
+        for row in (0..count).filter_map(row) {
+            steady.duration += row.duration;
+            (0..VARIABLES).for_each(|j| steady.variables[j] += row.variables[j] / count as f64);
+            (0..SURFACES).for_each(|j| steady.surfaces[j] += row.surfaces[j] / count as f64);
+            (0..AXES).for_each(|i| steady.accelerations[i] += row.accelerations[i] / count as f64);
         }
-        Some(sums.map(|sum| sum / count as f64))
+        // What gusts and bent tables leave is of one sign for some tenths of a second: means of blocks are independent, single rows
+        // are not.
+        let of_block = count / BLOCKS;
+        let mut squares = [0.0; AXES];
+        for block in 0..BLOCKS {
+            let mut sums = [0.0; AXES];
+            for row in (block * of_block..(block + 1) * of_block).filter_map(row) {
+                for (i, sum) in sums.iter_mut().enumerate() {
+                    let modelled = (0..VARIABLES)
+                        .map(|j| model.rates[i][j] * (row.variables[j] - steady.variables[j]))
+                        .sum::<f64>()
+                        + (0..SURFACES)
+                            .map(|j| model.surfaces[i][j] * (row.surfaces[j] - steady.surfaces[j]))
+                            .sum::<f64>();
+                    *sum += row.accelerations[i] - steady.accelerations[i] - modelled;
+                }
+            }
+            (0..AXES).for_each(|i| squares[i] += (sums[i] / of_block as f64) * (sums[i] / of_block as f64));
+        }
+        steady.noise = squares.map(|square| STUDENT * libm::sqrt(square / ((BLOCKS - 1) * BLOCKS) as f64));
+        Some(steady)
     }
 
     /// Whether a model has explained the last three seconds, in the sense of [`explains`](Self::explains). An estimate that has not
@@ -214,9 +258,10 @@ mod tests {
         assert!(left.iter().zip(moved).all(|(left, moved)| *left < 0.1 * moved), "{left:?} {moved:?}");
         assert!(recent.has_explained(&truth, [0.0; 3]) && !recent.has_explained(&wrong, [0.0; 3]));
         assert!(recent.prefers(&wrong, &truth) && !recent.prefers(&truth, &wrong));
-        // Nothing was out of trim, but for what the filter's edges make of three seconds.
-        let shown = recent.out_of_trim(&truth, &[0.0; 5], &[0.0; 3]).unwrap();
-        assert!(shown.iter().zip(moved).all(|(shown, moved)| shown.abs() < 0.2 * moved), "{shown:?} {moved:?}");
+        // With the slopes of the truth nothing but the filter's edges is left, with wrong ones more.
+        let noise = recent.steady(&truth).unwrap().noise;
+        assert!(noise.iter().zip(moved).all(|(noise, moved)| *noise < 0.05 * moved), "{noise:?} {moved:?}");
+        assert!(recent.steady(&wrong).unwrap().noise[1] > 3.0 * noise[1]);
         assert!(!recent.prefers(&truth, &LocalModel { rates: [[f64::NAN; 5]; 3], ..truth }));
     }
 }

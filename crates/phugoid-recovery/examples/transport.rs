@@ -93,7 +93,7 @@ fn told(scenario: &Scenario, model: &ModelFile) -> Result<Told, String> {
         explained: flight.explained == Some(true),
         margins_wrong: flight.left.is_some_and(|left| {
             let pairs = left.margins.iter().zip(&flight.truly_left.margins);
-            pairs.filter(|(m, _)| m.std_error > 0.0).any(|(m, truth)| (m.trim - truth.trim).abs() > 4.0 * m.std_error)
+            pairs.filter(|(m, _)| m.is_used).any(|(m, truth)| (m.trim - truth.trim).abs() > 4.0 * m.std_error)
         }),
         errors: [error(|m| m.rates[2][BETA]), error(|m| m.rates[1][ALPHA]), error(|m| m.rates[0][ALPHA])],
         departed_at_s: departed.map(|e| e.time_s),

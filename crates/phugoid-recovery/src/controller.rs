@@ -6,7 +6,7 @@ use phugoid_control::gains::Gains;
 use phugoid_control::interval::{Comparison, Estimate};
 use phugoid_control::law::{Law, Measured};
 use phugoid_control::local::{AXES, SURFACES};
-use phugoid_control::prediction::Recent;
+use phugoid_control::prediction::{Recent, Steady};
 use phugoid_control::qualities::{Category, qualities};
 use phugoid_control::target::Targets;
 
@@ -24,6 +24,10 @@ pub const NAMES: [&str; SURFACES] = ["elevator", "aileron", "rudder"];
 pub enum Decision {
     /// Gains for the present estimate were taken.
     NewGains,
+    /// The gains in reserve were taken, because the aircraft does not move as the one that the first are for.
+    Reserve,
+    /// The present gains were taken without the surface that is lost.
+    LeftOut,
     /// A surface no longer does what it is told.
     Surface(usize, Following),
 }
@@ -35,6 +39,8 @@ pub struct Controller {
     followers: Option<[Follower; SURFACES]>,
     excitation: Option<Excitation>,
     free: [bool; SURFACES],
+    /// Gains for what is not known yet; none once gains of an estimate, or these, were taken.
+    reserve: Option<Gains>,
     recent: Recent,
     /// What was added to the last commands, rad.
     probe: [f64; SURFACES],
@@ -53,6 +59,8 @@ pub struct Told<'a> {
     pub estimate: Option<&'a Estimate>,
     /// Whether the estimate is exact: then nothing is asked of its bounds.
     pub is_truth: bool,
+    /// Whether a change of the aircraft is suspected.
+    pub is_in_doubt: bool,
     /// Whether the estimate is of the aircraft as it is: no change is suspected, and none was a moment ago.
     pub is_settled: bool,
 }
@@ -71,10 +79,17 @@ impl Controller {
             followers,
             excitation: excitation.map(Excitation::new),
             free: [true; SURFACES],
+            reserve: None,
             recent: Recent::new(),
             probe: [0.0; SURFACES],
             next_s: 0.0,
         }
+    }
+
+    /// The same with gains in reserve that hold for many damages: they are taken as soon as the aircraft does not move as the one that
+    /// the first gains are for, and nothing better is known.
+    pub fn with_reserve(self, reserve: Gains) -> Self {
+        Self { reserve: Some(reserve), ..self }
     }
 
     /// The law.
@@ -97,19 +112,9 @@ impl Controller {
         self.excitation.as_ref().map_or([0.0; SURFACES], Excitation::level)
     }
 
-    /// The estimate with the difference to what the last seconds show of moments out of trim in its bounds: after a change that went
-    /// unnoticed they disagree.
-    pub fn checked(&self, estimate: &Estimate) -> Estimate {
-        let settings = self.law.settings();
-        let Some(shown) = self.recent.out_of_trim(&estimate.model, &settings.reference, &settings.surfaces) else {
-            return *estimate;
-        };
-        let mut checked = *estimate;
-        for i in 0..AXES {
-            let apart = shown[i] - estimate.model.constant[i];
-            checked.std_error.constant[i] = checked.std_error.constant[i].hypot(apart);
-        }
-        checked
+    /// What was flown in the last seconds on average, with what the slopes of an estimate leave of it; none before a second of flight.
+    pub fn steady(&self, estimate: &Estimate) -> Option<Steady> {
+        self.recent.steady(&estimate.model)
     }
 
     /// Whether the estimate has explained how the aircraft moved in the last three seconds.
@@ -147,23 +152,33 @@ impl Controller {
             return decisions;
         }
         self.next_s = told.time_s + EVERY;
+        if let Some(reserve) = self.reserve
+            && (told.is_in_doubt || !self.recent.explains(&self.law.gains().modelled(), FLOOR))
+            && let Some(reserve) = reserve.with_free(self.free)
+            && self.law.change_gains(reserve)
+        {
+            self.reserve = None;
+            decisions.push(Decision::Reserve);
+        }
         let now = *self.law.gains();
-        if let Some(estimate) = told.estimate
+        if lost {
+            // The same motion with the surfaces that are left. A surface that stands still changes nothing else of the aircraft, and
+            // what the estimate says meanwhile is held to the same rules as before.
+            if let Some(new) = now.with_free(self.free)
+                && self.law.change_gains(new)
+            {
+                decisions.push(Decision::LeftOut);
+            }
+        } else if let Some(estimate) = told.estimate
             && let Some(new) = Gains::place_with(&estimate.model, &self.targets, self.free)
         {
             let is_better = told.is_truth
-                || lost
                 || (told.is_settled
                     && self.recent.explains(&estimate.model, FLOOR)
                     && self.recent.prefers(&now.modelled(), &estimate.model)
                     && is_better(estimate, &now, &new));
             if is_better && self.law.change_gains(new) {
-                decisions.push(Decision::NewGains);
-            }
-        } else if lost {
-            // Nothing new is known of the aircraft: the same motion with the surfaces that are left.
-            if let Some(new) = now.with_free(self.free) {
-                self.law.change_gains(new);
+                self.reserve = None;
                 decisions.push(Decision::NewGains);
             }
         }

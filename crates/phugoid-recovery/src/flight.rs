@@ -7,17 +7,15 @@ use phugoid_control::interval::Estimate;
 use phugoid_control::law::{Form, Law, Measured, Settings as LawSettings};
 use phugoid_control::local::SURFACES;
 use phugoid_control::lost::{Name, losses, name};
+use phugoid_control::prediction::{LAG, Steady};
 use phugoid_control::target::Targets;
 use phugoid_estimators::ChangeState;
 use phugoid_flight_dynamics::aircraft::{Aircraft, Controls};
-use phugoid_flight_dynamics::built_in::AircraftName;
-use phugoid_flight_dynamics::f16::F16Tables;
 use phugoid_flight_dynamics::trim::Trim;
-use phugoid_identification::estimate::EstimateOptions;
 use phugoid_identification::estimation::EventKind;
 use phugoid_identification::method::Method;
-use phugoid_identification::model_file::{Base, ModelFile};
-use phugoid_identification::session::{Session, Step};
+use phugoid_identification::model_file::ModelFile;
+use phugoid_identification::session::Step;
 use phugoid_simulation::aircraft::AnyAircraft;
 use phugoid_simulation::course::Course;
 use phugoid_simulation::flight::{LaterAircraft, later_aircraft, trimmed_aircraft};
@@ -30,12 +28,15 @@ pub use crate::history::History;
 
 use crate::changes::{Changes, Known};
 use crate::controller::{Controller, Decision, NAMES, Told};
-use crate::known::{Body, Declared, Increment, estimate, local_model, whole};
+use crate::known::{Declared, Increment, estimate};
+use crate::learning::Learning;
 use crate::outcome::{Left, Outcome, judge, left};
+use crate::performance::{Flown, Performance, performance};
 use crate::pilot::Pilot;
 use crate::robust::robust_gains;
 use crate::scale::Scale;
 use crate::sensing::{Reading, Sensors};
+use crate::truth::{LAST_S, true_model, truly_steady};
 
 /// Where the gains come from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -120,6 +121,8 @@ pub enum Kind {
     Withdrawn,
     /// A surface no longer does what it is told.
     Surface,
+    /// The gains that hold for many damages, until something is known.
+    Reserve,
     /// New gains.
     NewGains,
     /// The motion left what the aircraft's data cover, or turned over.
@@ -144,6 +147,9 @@ pub struct RecoveryFlight {
     /// Whether the last estimate explains how the aircraft moved in the last seconds; where it does not, neither it nor what follows
     /// from it is to be used. With the control that has one.
     pub explained: Option<bool>,
+    /// What the aircraft can still do, by the last estimate; none with a control that has none, and where too little was flown since the
+    /// last change.
+    pub performance: Option<Performance>,
     /// What is left in truth; its bounds are zero.
     pub truly_left: Left,
     /// Which part of the aircraft is gone, by the estimates before and after what was adopted last; none where nothing was adopted.
@@ -183,98 +189,10 @@ pub fn fly(scenario: &Scenario, settings: &Settings, model: &ModelFile) -> Resul
     let (aircraft, trim) = trimmed_aircraft(&scenario)?;
     let later = later_aircraft(&scenario, &aircraft)?;
     let learning = match settings.control {
-        Control::Adaptive => Some(learning(&scenario, settings, model, &trim)?),
+        Control::Adaptive => Some(Box::new(Learning::new(&scenario, settings.method, model, &aircraft, &trim)?)),
         _ => None,
     };
     Loop::new(&scenario, aircraft.as_ref(), later.as_ref(), trim, settings, learning)?.run()
-}
-
-/// The estimator of a flight, and what its parameters are of.
-struct Learning {
-    session: Session,
-    /// The aircraft where the parameters are all of its aerodynamics; none where they are increments to the one that flies.
-    body: Option<Body>,
-}
-
-fn learning(
-    scenario: &Scenario,
-    settings: &Settings,
-    model: &ModelFile,
-    trim: &Trim,
-) -> Result<Box<Learning>, RecoveryError> {
-    let body = match model.base {
-        Base::None => {
-            let body = Body::of(model);
-            Some(body.map_err(|why| RecoveryError::Unsuitable(format!("the model `{}`: {why}", model.name)))?)
-        }
-        Base::F16 => {
-            fits(scenario, model)?;
-            None
-        }
-        _ => {
-            return Err(RecoveryError::Unsuitable(format!(
-                "the model `{}` is made of increments to the aircraft of a file, which are not flown in closed loop yet: give a model \
-                 without `base`, or fly with --control fixed, robust or oracle",
-                model.name
-            )));
-        }
-    };
-    if let Some(body) = &body {
-        body.counts_from(trim)
-            .map_err(|why| RecoveryError::Unsuitable(format!("the model `{}`: {why}", model.name)))?;
-    }
-    let options = EstimateOptions { method: settings.method, ..EstimateOptions::default() };
-    Ok(Box::new(Learning { session: Session::new(model, &options)?, body }))
-}
-
-/// Refuses a model whose parameters are no increments to the aircraft that flies, about the trim that it flies from: they would be
-/// read as if they were, and gains and margins would be those of another aircraft.
-fn fits(scenario: &Scenario, model: &ModelFile) -> Result<(), RecoveryError> {
-    // One per cent of the speed moves the angle of attack of the trim by less than the declared constant error of a vane.
-    const SPEED: f64 = 0.01;
-    // So do 100 m of altitude, which are one per cent of the density.
-    const ALTITUDE: f64 = 100.0;
-    let refused = |why: String| Err(RecoveryError::Unsuitable(format!("{}: {why}", scenario.name)));
-    if scenario.aircraft.kind != Some(AircraftName::F16) {
-        return refused(format!(
-            "the model `{}` is made of increments to the F-16 (`base = \"f16\"`), and the scenario flies another aircraft: give a model of \
-             that aircraft without `base`, or fly with --control fixed, robust or oracle",
-            model.name
-        ));
-    }
-    let (flown, known) = (scenario.aircraft.cg.unwrap_or(0.35), model.aircraft.cg);
-    if known != Some(flown) {
-        return refused(format!(
-            "the centre of gravity is at {flown} of the mean chord, and in the model `{}` at {}: give both the same",
-            model.name,
-            known.map_or("no stated place".to_owned(), |cg| cg.to_string())
-        ));
-    }
-    if scenario.aircraft.tables.is_some_and(|tables| tables != F16Tables::default()) {
-        return refused(format!(
-            "the increments of the model `{}` count from the tables of the book: give `tables = \"book\"` under [aircraft]",
-            model.name
-        ));
-    }
-    let (altitude, known) = (scenario.condition.altitude.si(), model.reference.altitude);
-    if known.is_none_or(|known| (known - altitude).abs() > ALTITUDE) {
-        return refused(format!(
-            "the flight begins at {altitude:.0} m, and the increments of the model `{}` count from a trim at {}: give `altitude` under \
-             [reference] that of the scenario",
-            model.name,
-            known.map_or("no stated altitude".to_owned(), |known| format!("{known:.0} m"))
-        ));
-    }
-    let speed = scenario.condition.speed.si();
-    match model.aircraft.reference_speed {
-        Some(reference) if (reference / speed - 1.0).abs() <= SPEED => Ok(()),
-        reference => refused(format!(
-            "the flight begins at {speed:.1} m/s, and the increments of the model `{}` count from a trim at {} m/s: give \
-             `reference_speed` the speed of the scenario",
-            model.name,
-            reference.map_or("no stated speed, in".to_owned(), |reference| format!("{reference:.1}"))
-        )),
-    }
 }
 
 /// Gains for the undamaged aircraft in its trim.
@@ -323,8 +241,7 @@ impl<'a> Loop<'a> {
     ) -> Result<Self, RecoveryError> {
         let scale = Scale::of(scenario);
         let gains = match settings.control {
-            // What is not known yet is flown with the gains that hold for the most.
-            Control::Robust | Control::Adaptive => robust_gains(aircraft, &trim, &settings.targets, scale)?,
+            Control::Robust => robust_gains(aircraft, &trim, &settings.targets, scale)?,
             _ => healthy_gains(aircraft, &trim, &settings.targets, scale)?,
         };
         let controls = trim.controls();
@@ -348,6 +265,11 @@ impl<'a> Loop<'a> {
             })
         });
         let excitation = settings.excitation.filter(|_| learns);
+        let mut controller = Controller::new(Law::new(law, gains), settings.targets, followers, excitation);
+        if learns {
+            // What is not known yet is flown with the gains that hold for the most.
+            controller = controller.with_reserve(robust_gains(aircraft, &trim, &settings.targets, scale)?);
+        }
         Ok(Self {
             scenario,
             aircraft,
@@ -357,7 +279,7 @@ impl<'a> Loop<'a> {
             course: Course::new(scenario, aircraft, later.map(LaterAircraft::change), &trim)?,
             sensors: Sensors::new(scenario)?,
             pilot: Pilot::new(scenario, &trim, aircraft.gravity())?,
-            controller: Controller::new(Law::new(law, gains), settings.targets, followers, excitation),
+            controller,
             learning,
             changes: Changes::default(),
             estimate: None,
@@ -396,22 +318,62 @@ impl<'a> Loop<'a> {
         let gains = *self.controller.gains();
         let outcome = judge(&self.history, self.departed, &self.trim, &truth, &gains, self.scale);
         let lost = self.lost();
-        let law = *self.controller.law().settings();
+        let limits = self.controller.law().settings().limits;
+        let flown = self.estimate.and_then(|estimate| Some((estimate, self.steady(&estimate)?)));
+        let window = flown.map_or(LAST_S, |(_, steady)| steady.duration);
+        let window = [window, LAG].map(|time| self.scale.model_time(time));
+        let truly = truly_steady(&self.course, &self.history, &self.trim, &gains, window, self.aircraft.gravity());
         let scale = Declared::UNSTATED.surface_scale;
-        let left = |estimate: &Estimate| left(estimate, &gains, &law.surfaces, &law.limits, scale);
+        let left = flown.map(|(estimate, steady)| left(&estimate, &gains, &steady, &limits, scale));
+        let performance = left.as_ref().and_then(|left| self.performance(left, &gains, &limits));
         Ok(RecoveryFlight {
             scenario: self.scenario.name.clone(),
             control: self.settings.control,
             events: self.events,
             history: self.history,
             outcome,
-            left: self.estimate.as_ref().map(|estimate| left(&self.controller.checked(estimate))),
+            left,
+            performance,
             explained: self.estimate.as_ref().map(|estimate| self.controller.explains(estimate)),
-            truly_left: left(&truth),
+            truly_left: crate::outcome::left(&truth, &gains, &truly, &limits, 0.0),
             lost,
             estimate: self.estimate,
             truth,
         })
+    }
+
+    /// What was flown in the last seconds on average, as if nothing had moved about it.
+    fn steady(&self, estimate: &Estimate) -> Option<Steady> {
+        let steady = self.controller.steady(estimate)?;
+        let density = self.aircraft.atmosphere().at(self.flown[1]).density;
+        let learning = self.learning.as_deref()?;
+        Some(learning.settled(steady, self.scale, self.scenario.sample_rate.si(), density))
+    }
+
+    /// What the aircraft can still do, by the last estimate.
+    fn performance(&self, left: &Left, gains: &Gains, limits: &[[f64; 2]; SURFACES]) -> Option<Performance> {
+        let (learning, estimate) = (self.learning.as_deref()?, self.estimate.as_ref()?);
+        let own = Gains::place_with(&estimate.model, &self.settings.targets, gains.free)?;
+        let parameters = learning.parameters();
+        let covariance = learning.covariance(&parameters)?;
+        let positions = left.margins.map(|margin| margin.trim);
+        let polar = |alpha: f64| learning.polar(self.aircraft, &self.trim, &parameters, self.flown, positions, alpha);
+        let [speed, altitude] = self.flown;
+        performance(
+            &Flown {
+                alphas: learning.alphas(),
+                alpha: left.flow_angles[0],
+                speed,
+                altitude,
+                covariance: &covariance,
+                estimate,
+                gains: &own,
+                margins: &left.margins,
+                before: [self.trim.elevator_rad, self.trim.aileron_rad, self.trim.rudder_rad],
+                limits,
+            },
+            &polar,
+        )
     }
 
     /// Gives the estimator its sample and takes what it says.
@@ -423,7 +385,9 @@ impl<'a> Loop<'a> {
                 *flown += 0.01 * (now - *flown);
             }
         }
-        let Some(Learning { session, body }) = self.learning.as_deref_mut() else { return Ok(()) };
+        let Some(learning) = self.learning.as_deref_mut() else { return Ok(()) };
+        learning.note(reading);
+        let session = &mut learning.session;
         let values: Vec<f64> = session.channels().iter().map(|name| reading.channel(name)).collect();
         let step = session.update(time, &values)?;
         let events = session.take_events();
@@ -431,17 +395,6 @@ impl<'a> Loop<'a> {
         if step == Step::Estimated
             && let Some(snapshot) = session.snapshot()
         {
-            let layout = &session.layout().parameters;
-            let increments: Vec<Increment> = layout
-                .iter()
-                .zip(&snapshot.parameters)
-                .map(|(layout, parameter)| Increment {
-                    name: layout.name.clone(),
-                    value: parameter.value,
-                    std_error: parameter.std_error,
-                })
-                .collect();
-            let [speed, altitude] = self.flown;
             self.in_doubt = snapshot.change == ChangeState::InDoubt;
             if !self.in_doubt {
                 now = Some(Known::new(&snapshot.parameters, self.flown));
@@ -449,13 +402,18 @@ impl<'a> Loop<'a> {
             // Linearising is the dearest part of a frame; the controller decides five times a second.
             let every = (self.scale.model_time(0.1) * self.scenario.sample_rate.si()).max(1.0) as usize;
             if self.history.time_s.len().is_multiple_of(every) {
-                let found = local(self.aircraft, &self.trim, body.as_ref(), &increments, [speed, altitude]);
+                let found = learning.local(self.aircraft, &self.trim, &learning.parameters(), self.flown);
                 self.estimate = Some(self.scale.estimate(&found));
             }
         }
         for event in events {
             // Told before what is known now takes the place of what was known before.
             self.changes.event(event.kind, event.time_s, self.scale);
+            if event.kind == EventKind::Adopted
+                && let Some(learning) = self.learning.as_deref_mut()
+            {
+                learning.forget();
+            }
             if event.kind == EventKind::DoubtDropped {
                 self.dropped_s = event.time_s;
             }
@@ -477,9 +435,9 @@ impl<'a> Loop<'a> {
     /// Which part of the aircraft the adopted changes look like.
     fn lost(&self) -> Option<Name> {
         let (before, after) = self.changes.before_and_after()?;
-        let Learning { session, body } = self.learning.as_deref()?;
+        let learning = self.learning.as_deref()?;
         let of = |known: &Known| {
-            let named = session.layout().parameters.iter().zip(&known.parameters);
+            let named = learning.session.layout().parameters.iter().zip(&known.parameters);
             let increments: Vec<Increment> = named
                 .map(|(layout, [value, std_error])| Increment {
                     name: layout.name.clone(),
@@ -487,7 +445,7 @@ impl<'a> Loop<'a> {
                     std_error: *std_error,
                 })
                 .collect();
-            let found = local(self.aircraft, &self.trim, body.as_ref(), &increments, known.flown);
+            let found = learning.local(self.aircraft, &self.trim, &increments, known.flown);
             self.scale.estimate(&found)
         };
         let span = self.scale.length(self.aircraft.geometry().span);
@@ -507,6 +465,7 @@ impl<'a> Loop<'a> {
             commands: [before.elevator, before.aileron, before.rudder],
             estimate: truth.as_ref().or(self.estimate.as_ref()),
             is_truth: truth.is_some(),
+            is_in_doubt: self.in_doubt,
             // A suspicion that was just given up may come back: what was estimated meanwhile is of two aircraft.
             is_settled: !self.in_doubt && time > self.dropped_s + self.scale.model_time(1.0),
         };
@@ -514,6 +473,10 @@ impl<'a> Loop<'a> {
             // The oracle's gains follow the truth all the time.
             let (kind, text) = match decision {
                 Decision::NewGains if told.is_truth => continue,
+                Decision::Reserve => {
+                    (Kind::Reserve, "robust gains, because the aircraft does not move as it did".to_owned())
+                }
+                Decision::LeftOut => (Kind::NewGains, "the same gains with the surfaces that are left".to_owned()),
                 Decision::NewGains => (Kind::NewGains, "new gains, because the bounds support them".to_owned()),
                 Decision::Surface(j, found) => {
                     let word = format!("{found:?}").to_lowercase();
@@ -529,22 +492,15 @@ impl<'a> Loop<'a> {
         Controls { throttle: wish.throttle, elevator, aileron, rudder }
     }
 
-    /// The true aircraft about the trim's attitude, at its own speed and altitude.
+    /// The true aircraft about the trim's attitude, at its own speed and altitude, at full size.
     fn truth(&self) -> Estimate {
-        let state = self.course.state();
-        let reference = phugoid_flight_dynamics::aircraft::State {
-            speed: state.speed,
-            altitude: state.altitude,
-            power: state.power,
-            ..self.trim.state()
-        };
-        let linear = self.course.linear_model(&reference, &self.trim.controls());
-        let mut model = local_model(&linear, self.trim.alpha_rad, state.speed, self.aircraft.gravity());
-        for (j, left) in self.course.obeys().into_iter().enumerate() {
-            if !left {
-                model.surfaces.iter_mut().for_each(|row| row[j] = 0.0);
-            }
-        }
+        let model = true_model(
+            &self.course,
+            &self.trim,
+            [self.trim.alpha_rad, self.trim.beta_rad],
+            &self.trim.controls(),
+            self.aircraft.gravity(),
+        );
         Estimate { model: self.scale.model(&model), ..Estimate::default() }
     }
 
@@ -575,6 +531,10 @@ impl<'a> Loop<'a> {
         h.altitude.push(s.altitude);
         h.speed.push(s.speed);
         h.load_factor.push(-sample.specific_force[2] / self.aircraft.gravity());
+        let (sine, cosine) = sample.air.alpha.sin_cos();
+        let (x, z) = (sample.coefficients.cx, sample.coefficients.cz);
+        h.lift_drag[0].push(x * sine - z * cosine);
+        h.lift_drag[1].push(-x * cosine - z * sine);
         let told = [commands.elevator, commands.aileron, commands.rudder];
         let there = [sample.surfaces.elevator, sample.surfaces.aileron, sample.surfaces.rudder];
         let level = self.controller.excitation_level();
@@ -582,24 +542,6 @@ impl<'a> Loop<'a> {
             h.commands[j].push(told[j]);
             h.surfaces[j].push(there[j]);
             h.excitation[j].push(level[j]);
-        }
-    }
-}
-
-/// The local model that parameters make at an airspeed (m/s) and altitude (m).
-fn local(
-    aircraft: &AnyAircraft,
-    trim: &Trim,
-    body: Option<&Body>,
-    parameters: &[Increment],
-    [speed, altitude]: [f64; 2],
-) -> Estimate {
-    let declared = Declared::UNSTATED;
-    match body {
-        None => estimate(aircraft, trim, parameters, &declared, speed, altitude),
-        Some(body) => {
-            let density = aircraft.atmosphere().at(altitude).density;
-            whole(body, parameters, trim, &declared, speed, density)
         }
     }
 }

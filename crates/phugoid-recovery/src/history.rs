@@ -23,6 +23,8 @@ pub struct History {
     pub speed: Vec<f64>,
     /// Normal load factor, g.
     pub load_factor: Vec<f64>,
+    /// True lift and drag coefficients.
+    pub lift_drag: [Vec<f64>; 2],
     /// Commands to elevator, aileron and rudder, rad.
     pub commands: [Vec<f64>; 3],
     /// True positions, rad.

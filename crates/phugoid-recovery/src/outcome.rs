@@ -2,8 +2,9 @@
 
 use phugoid_control::gains::Gains;
 use phugoid_control::interval::{Estimate, Excess, excess, worst};
-use phugoid_control::local::SURFACES;
+use phugoid_control::local::{ALPHA, BETA, SURFACES};
 use phugoid_control::margin::{Margin, margins};
+use phugoid_control::prediction::Steady;
 use phugoid_control::qualities::{Category, Level, Qualities, qualities};
 use phugoid_control::target::Targets;
 use phugoid_flight_dynamics::trim::Trim;
@@ -30,19 +31,16 @@ pub struct Left {
     pub level: Level,
     /// The worst motion within two standard errors, 1/s.
     pub worst: Excess,
-    /// What is left of elevator, aileron and rudder beside what steady flight takes.
+    /// Angle of attack and sideslip that margins are of, the mean of the last seconds, rad: measured in what an estimate says, true in
+    /// what is true.
+    pub flow_angles: [f64; 2],
+    /// What is left of elevator, aileron and rudder beside what straight flight takes at these angles.
     pub margins: [Margin; SURFACES],
 }
 
-/// What an estimate says with these gains; `surfaces` are the positions at the reference and their limits, rad, `scale` the standard
-/// deviation of the scale of recorded positions.
-pub fn left(
-    estimate: &Estimate,
-    gains: &Gains,
-    surfaces: &[f64; SURFACES],
-    limits: &[[f64; 2]; SURFACES],
-    scale: f64,
-) -> Left {
+/// What an estimate says with these gains after the last seconds; limits of the surfaces in rad, `scale` the standard deviation of the
+/// scale of recorded positions.
+pub fn left(estimate: &Estimate, gains: &Gains, steady: &Steady, limits: &[[f64; 2]; SURFACES], scale: f64) -> Left {
     let matrix = estimate.model.closed_loop(&gains.feedback());
     let found = qualities(&matrix, estimate.model.load_factor_per_alpha(), Category::B);
     let own = Gains::place_with(&estimate.model, &Targets::default(), gains.free).unwrap_or(*gains);
@@ -50,7 +48,8 @@ pub fn left(
         level: found.level(),
         qualities: found,
         worst: worst(estimate, gains),
-        margins: margins(estimate, &own, surfaces, limits, scale),
+        flow_angles: [steady.variables[ALPHA], steady.variables[BETA]],
+        margins: margins(estimate, &own, steady, limits, scale),
     }
 }
 

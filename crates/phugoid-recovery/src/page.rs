@@ -8,6 +8,8 @@ use phugoid_evaluation::table::{Cell, Column, Table};
 
 use crate::controller::NAMES;
 use crate::flight::{Kind, RecoveryFlight};
+use crate::outcome::Left;
+use crate::performance::{Performance, Quantity};
 
 /// A section of the page.
 #[derive(Clone, Debug, PartialEq)]
@@ -182,18 +184,91 @@ pub fn lost_words(name: &Name) -> String {
     }
 }
 
+/// At which angle of attack and sideslip margins are, in a sentence.
+pub fn condition_words(left: &Left) -> String {
+    let [alpha, beta] = left.flow_angles.map(f64::to_degrees);
+    format!(
+        "What straight flight takes of each surface at the angle of attack ({alpha:.1} deg) and sideslip ({beta:.1} deg) of the last seconds, \
+         and the way from there to the nearer limit as a part of half the range."
+    )
+}
+
+/// A row of what the aircraft can still do: name, value, twice the standard error, unit, note. Where it is not known the note says why.
+pub type PerformanceRow = (&'static str, Option<[f64; 2]>, &'static str, String);
+
+/// What the aircraft can still do, in the order of the table.
+pub fn performance_rows(performance: &Performance) -> Vec<PerformanceRow> {
+    let row = |name: &'static str, quantity: &Quantity, scale: f64, unit: &'static str| {
+        let value = quantity.value.zip(quantity.std_error);
+        (name, value.map(|(value, error)| [scale * value, 2.0 * scale * error]), unit, quantity.note.clone())
+    };
+    vec![
+        row("Lift coefficient", &performance.lift, 1.0, ""),
+        row("Drag coefficient", &performance.drag, 1.0, ""),
+        row("Glide ratio", &performance.glide_ratio, 1.0, ""),
+        row("Glide range", &performance.glide_range_m, 0.001, "km"),
+        row("Best glide ratio", &performance.best_glide_ratio, 1.0, ""),
+        row("Slowest known speed", &performance.slowest_known_m_s, 1.0, "m/s"),
+        row("Load factor that is known", &performance.load_factor_known, 1.0, "g"),
+        row("Lowest speed that the surfaces hold", &performance.control_speed_m_s, 1.0, "m/s"),
+        row("Approach speed", &performance.approach_m_s, 1.0, "m/s"),
+    ]
+}
+
+/// What is said where nothing is known of what the aircraft can still do.
+pub const NO_PERFORMANCE: &str =
+    "Too little was flown since the last change to say how far it glides and how slow it may fly.";
+
+fn performance_table(performance: &Performance) -> Table {
+    let rows = performance_rows(performance).into_iter().map(|(name, value, unit, note)| {
+        let number = |place: usize| value.map_or(Cell::from("not known"), |value| Cell::from(value[place]));
+        vec![
+            Cell::from(name),
+            number(0),
+            value.map_or(Cell::from(""), |_| number(1)),
+            Cell::from(unit),
+            Cell::from(note),
+        ]
+    });
+    Table {
+        title: "What it can still do, true airspeed at the present air density".to_owned(),
+        columns: vec![
+            Column::new("Quantity", ""),
+            Column::new("Value", ""),
+            Column::new("\u{b1} 2 sigma", ""),
+            Column::new("Unit", ""),
+            Column::new("Of what", ""),
+        ],
+        rows: rows.collect(),
+    }
+}
+
 fn left(flight: &RecoveryFlight) -> Option<Section> {
     let left = flight.left.as_ref()?;
     let rows = NAMES.iter().zip(&left.margins).zip(&flight.truly_left.margins).map(|((name, margin), truth)| {
+        let used = |value: f64| if margin.is_used { Cell::from(value) } else { Cell::from("lost") };
         vec![
             Cell::from(*name),
             Cell::from(margin.trim * DEGREES),
             Cell::from(2.0 * margin.std_error * DEGREES),
-            Cell::from(100.0 * margin.left),
-            Cell::from(100.0 * margin.at_least),
-            Cell::from(100.0 * truth.left),
+            used(100.0 * margin.left),
+            used(100.0 * margin.at_least),
+            used(100.0 * truth.left),
         ]
     });
+    let margins = Table {
+        title: "Control margins".to_owned(),
+        columns: vec![
+            Column::new("Surface", ""),
+            Column::new("Takes", "deg"),
+            Column::new("\u{b1} 2 sigma", "deg"),
+            Column::new("Left", "%"),
+            Column::new("At least", "%"),
+            Column::new("True", "%"),
+        ],
+        rows: rows.collect(),
+    };
+    let unknown = flight.performance.is_none().then(|| NO_PERFORMANCE.to_owned());
     Some(Section {
         anchor: "left",
         heading: "What the estimate says is left",
@@ -201,23 +276,10 @@ fn left(flight: &RecoveryFlight) -> Option<Section> {
             .then(|| UNEXPLAINED.to_owned())
             .into_iter()
             .chain(flight.lost.as_ref().map(lost_words))
-            .chain([
-                "What steady flight takes of each surface, and the way from there to the nearer limit as a part of half the range."
-                    .to_owned(),
-            ])
+            .chain([condition_words(left)])
+            .chain(unknown)
             .collect(),
-        tables: vec![Table {
-            title: "Control margins".to_owned(),
-            columns: vec![
-                Column::new("Surface", ""),
-                Column::new("Takes", "deg"),
-                Column::new("\u{b1} 2 sigma", "deg"),
-                Column::new("Left", "%"),
-                Column::new("At least", "%"),
-                Column::new("True", "%"),
-            ],
-            rows: rows.collect(),
-        }],
+        tables: std::iter::once(margins).chain(flight.performance.as_ref().map(performance_table)).collect(),
         charts: Vec::new(),
     })
 }

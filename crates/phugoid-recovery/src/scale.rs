@@ -41,6 +41,11 @@ impl Scale {
         model * self.time
     }
 
+    /// An angular acceleration at full size, 1/s^2.
+    pub(crate) fn acceleration(self, model: f64) -> f64 {
+        model * self.time * self.time
+    }
+
     /// A speed at full size, m/s.
     pub(crate) fn speed(self, model: f64) -> f64 {
         model / self.time

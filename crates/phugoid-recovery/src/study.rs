@@ -155,7 +155,7 @@ pub fn recovery(
 fn margin_errors(flight: &RecoveryFlight) -> Vec<f64> {
     let Some(left) = flight.left.filter(|_| !flight.outcome.departed) else { return Vec::new() };
     let pairs = left.margins.iter().zip(&flight.truly_left.margins);
-    let errors = pairs.filter(|(margin, _)| margin.std_error > 0.0);
+    let errors = pairs.filter(|(margin, _)| margin.is_used);
     errors.map(|(margin, truth)| (margin.trim - truth.trim) / margin.std_error).collect()
 }
 

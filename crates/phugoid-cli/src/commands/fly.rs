@@ -8,7 +8,8 @@ use phugoid_flight_data::output_file;
 use phugoid_recovery::controller::NAMES;
 use phugoid_recovery::flight::{Event, History, RecoveryError, RecoveryFlight, Settings, fly};
 use phugoid_recovery::outcome::{Left, Outcome};
-use phugoid_recovery::page::{UNEXPLAINED, lost_words, page};
+use phugoid_recovery::page::{NO_PERFORMANCE, UNEXPLAINED, condition_words, lost_words, page, performance_rows};
+use phugoid_recovery::performance::Performance;
 use phugoid_report::study_html;
 use serde::Serialize;
 
@@ -30,6 +31,9 @@ struct Document<'a> {
     left: Option<Left>,
     /// Whether the last estimate explains how the aircraft moved in the last seconds; null for a control without one.
     explained: Option<bool>,
+    /// What the aircraft can still do, by the last estimate; null for a control without one, and where too little was flown since the
+    /// last change.
+    performance: Option<&'a Performance>,
     /// What is left in truth.
     truly_left: &'a Left,
     /// Which part of the aircraft the adopted changes look like; null where none was adopted.
@@ -66,6 +70,7 @@ pub(crate) fn run(arguments: &arguments::Fly) -> Result<(), Failure> {
         outcome: &flight.outcome,
         left: flight.left,
         explained: flight.explained,
+        performance: flight.performance.as_ref(),
         truly_left: &flight.truly_left,
         lost: flight.lost,
         page: place.clone(),
@@ -148,20 +153,41 @@ fn text(flight: &RecoveryFlight, page: &Path) -> String {
     if let Some(left) = &flight.left {
         let _ = writeln!(text, "\nWhat the estimate says is left: flying qualities {}", level(left.level));
         let degrees = |angle: f64| significant(angle.to_degrees(), 3);
-        let mut table = Table::new(&["surface", "steady flight takes, deg", "+- 2 sigma", "left", "at least", "true"]);
+        let mut table = Table::new(&["surface", "takes, deg", "+- 2 sigma", "left", "at least", "true"]);
         for ((name, margin), truth) in NAMES.iter().zip(&left.margins).zip(&flight.truly_left.margins) {
+            let percent = |part: f64| match margin.is_used {
+                true => format!("{} %", significant(100.0 * part, 3)),
+                false => "lost".to_owned(),
+            };
             table.row([
                 (*name).to_owned(),
                 degrees(margin.trim),
                 degrees(2.0 * margin.std_error),
-                format!("{} %", significant(100.0 * margin.left, 3)),
-                format!("{} %", significant(100.0 * margin.at_least, 3)),
-                format!("{} %", significant(100.0 * truth.left, 3)),
+                percent(margin.left),
+                percent(margin.at_least),
+                percent(truth.left),
             ]);
         }
         text.push_str(&table.render());
-        text.push_str("Left: the way from there to the nearer limit, as a part of half the range.\n");
+        let _ = writeln!(text, "{}\n", condition_words(left));
+        match &flight.performance {
+            Some(performance) => text.push_str(&performance_text(performance)),
+            None => {
+                let _ = writeln!(text, "{NO_PERFORMANCE}");
+            }
+        }
     }
     let _ = writeln!(text, "\nWritten: {}", page.display());
     text
+}
+
+fn performance_text(performance: &Performance) -> String {
+    let mut table = Table::new(&["what it can still do", "value", "+- 2 sigma", "of what"]);
+    for (name, value, unit, note) in performance_rows(performance) {
+        let number = |number: f64| format!("{} {unit}", significant(number, 3)).trim_end().to_owned();
+        let cells = value.map_or(["not known".to_owned(), String::new()], |value| value.map(number));
+        let [value, bound] = cells;
+        table.row([name.to_owned(), value, bound, note]);
+    }
+    table.render()
 }

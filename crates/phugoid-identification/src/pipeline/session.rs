@@ -307,6 +307,26 @@ impl Session {
         self.snapshot.as_ref()
     }
 
+    /// Correlation of the parameters after the last sample, in the order of the layout: one on the diagonal, between -1 and 1 beside
+    /// it, zero with a parameter of which the method claims no error. `None` before the first estimate. With the standard errors
+    /// of the [`Snapshot`] it makes the covariance that a function of several parameters needs.
+    pub fn correlation(&self) -> Option<Vec<Vec<f64>>> {
+        self.snapshot.as_ref()?;
+        let covariance = self.course.as_ref()?.covariance();
+        let deviation: Vec<f64> = (0..covariance.len()).map(|j| covariance[j][j].sqrt()).collect();
+        let entry = |j: usize, k: usize| {
+            let of = deviation[j] * deviation[k];
+            if j == k {
+                1.0
+            } else if of > 0.0 {
+                (covariance[j][k] / of).clamp(-1.0, 1.0)
+            } else {
+                0.0
+            }
+        };
+        Some((0..covariance.len()).map(|j| (0..covariance.len()).map(|k| entry(j, k)).collect()).collect())
+    }
+
     /// The events since the last call, in order of time: suspected and adopted changes, gaps, restarts.
     pub fn take_events(&mut self) -> Vec<Event> {
         std::mem::take(&mut self.events)

@@ -44,7 +44,9 @@ fn fly<const P: usize>() {
     }
     let category = black_box(Category::A);
     black_box(qualities(&model.closed_loop(&new.feedback()), model.load_factor_per_alpha(), category).level());
-    black_box(margins(&estimate, &new, &[number(); 3], &limits, number()));
+    if let Some(steady) = recent.steady(&model) {
+        black_box(margins(&estimate, &new, &steady, &limits, number()));
+    }
     black_box(name(&losses(&estimate, &black_box(estimate), number())));
     black_box(excitation.update(&black_box(Now::default()), number()));
     black_box(law.update(&measured, &black_box(Demand::default())));

@@ -37,6 +37,9 @@ pub(super) trait Course: Send {
 
     /// After an interval without samples that is longer than this, s, the states start again from the measurements.
     fn maximum_gap_s(&self) -> f64;
+
+    /// Covariance of the parameters as the method claims it, parameter units.
+    fn covariance(&self) -> Vec<Vec<f64>>;
 }
 
 /// Sets the method up from the beginning of a flight; the second value is the number of samples at the beginning that
@@ -147,6 +150,10 @@ impl<M: Motion<N, R>, const N: usize, const R: usize> Course for Running<M, N, R
 
     fn maximum_gap_s(&self) -> f64 {
         self.run.maximum_gap_s()
+    }
+
+    fn covariance(&self) -> Vec<Vec<f64>> {
+        self.run.covariance()
     }
 }
 
