@@ -11,24 +11,66 @@ pub(super) enum Cell {
     Text,
 }
 
+/// The longest number with a decimal comma that is read, bytes: no number of a recorder has as many digits.
+const LONGEST_WITH_COMMA: usize = 256;
+
+/// A cell without the blanks around it.
+#[inline]
+pub(super) fn trim(text: &str) -> &str {
+    // Nearly every cell begins and ends with a visible character of ASCII; blanks of other alphabets are looked for in others.
+    match text.as_bytes() {
+        [first, .., last] if first.is_ascii_graphic() && last.is_ascii_graphic() => text,
+        [only] if only.is_ascii_graphic() => text,
+        _ => text.trim(),
+    }
+}
+
 /// Reads a cell. With `decimal_comma`, `1,5` is one and a half, and `1.5` is text because the point may separate
 /// thousands.
+#[inline]
 pub(super) fn parse(text: &str, decimal_comma: bool) -> Cell {
-    let text = text.trim();
-    if text.is_empty() {
+    let text = trim(text);
+    let number = match decimal_comma {
+        true => with_decimal_comma(text),
+        false => text.parse().ok(),
+    };
+    match number {
+        Some(value) if f64::is_finite(value) => Cell::Value(value),
+        number => unusual(text, number.is_some()),
+    }
+}
+
+/// What a cell holds that is no finite number in the usual way of writing; `is_number` if it is one that is not finite.
+#[cold]
+fn unusual(text: &str, is_number: bool) -> Cell {
+    if text.is_empty() || is_number {
         return Cell::Missing;
     }
-    let number = match decimal_comma {
-        true if text.contains('.') => None,
-        true => text.replacen(',', ".", 1).parse::<f64>().ok(),
-        false => text.parse::<f64>().ok(),
-    };
-    match number.or_else(|| fortran(text)) {
+    match fortran(text) {
         Some(value) if value.is_finite() => Cell::Value(value),
         Some(_) => Cell::Missing,
         None if is_word_for_missing(text) => Cell::Missing,
         None => Cell::Text,
     }
+}
+
+/// A number with a comma or nothing before its decimals; `None` where there is a point or more than one comma.
+fn with_decimal_comma(text: &str) -> Option<f64> {
+    let mut written = [0; LONGEST_WITH_COMMA];
+    let written = written.get_mut(..text.len())?;
+    let mut commas = 0;
+    for (to, &from) in written.iter_mut().zip(text.as_bytes()) {
+        *to = match from {
+            b'.' => return None,
+            b',' => {
+                commas += 1;
+                b'.'
+            }
+            other => other,
+        };
+    }
+    let text = std::str::from_utf8(written).ok().filter(|_| commas <= 1)?;
+    text.parse().ok()
 }
 
 /// Reads a number such as `1.5D+03`, as Fortran writes double precision.
@@ -55,7 +97,7 @@ fn is_nan_with_payload(text: &str) -> bool {
 /// True for a number with a decimal comma, such as `1,5` or `-0,03e-2`.
 pub(super) fn has_decimal_comma(text: &str) -> bool {
     let text = text.trim();
-    text.matches(',').count() == 1 && !text.contains('.') && text.replacen(',', ".", 1).parse::<f64>().is_ok()
+    text.contains(',') && with_decimal_comma(text).is_some()
 }
 
 #[cfg(test)]

@@ -41,28 +41,117 @@ impl Format {
         quoted
     }
 
-    /// The cells of a line. `scratch` holds them if quotes had to be removed.
-    pub(super) fn cells<'a>(&self, line: &'a str, scratch: &'a mut ::csv::StringRecord) -> Vec<&'a str> {
-        match self.delimiter {
-            Delimiter::Blanks => line.split_whitespace().collect(),
-            Delimiter::Byte(byte) if !line.contains('"') => line.split(char::from(byte)).map(str::trim).collect(),
-            Delimiter::Byte(byte) => {
-                let mut reader = ::csv::ReaderBuilder::new()
-                    .has_headers(false)
-                    .flexible(true)
-                    .trim(::csv::Trim::All)
-                    .delimiter(byte)
-                    .from_reader(line.as_bytes());
-                scratch.clear();
-                // Reading text from memory does not fail; if it did, the line would have no cells and be reported.
-                let _ = reader.read_record(scratch);
-                scratch.iter().collect()
+    /// The cells of a line, without blanks around them. What `scratch` holds is used again from line to line.
+    pub(super) fn cells<'a>(&self, line: &'a str, scratch: &'a mut Scratch) -> Cells<'a> {
+        let Scratch { unquoted, bounds } = scratch;
+        bounds.clear();
+        let text = match self.delimiter {
+            Delimiter::Blanks => {
+                let mut start = None;
+                for (at, character) in line.char_indices() {
+                    match (character.is_whitespace(), start) {
+                        (true, Some(from)) => {
+                            bounds.push((from, at));
+                            start = None;
+                        }
+                        (false, None) => start = Some(at),
+                        _ => {}
+                    }
+                }
+                bounds.extend(start.map(|from| (from, line.len())));
+                line
             }
-        }
+            Delimiter::Byte(byte) if memchr::memchr(b'"', line.as_bytes()).is_none() => {
+                let mut from = 0;
+                for to in memchr::memchr_iter(byte, line.as_bytes()) {
+                    bounds.push((from, to));
+                    from = to + 1;
+                }
+                bounds.push((from, line.len()));
+                line
+            }
+            Delimiter::Byte(byte) => {
+                unquoted.read(line, byte, bounds);
+                &unquoted.text
+            }
+        };
+        Cells { text, bounds }
+    }
+}
+
+/// Memory that the division of lines into cells needs, used again from line to line.
+#[derive(Default)]
+pub(super) struct Scratch {
+    unquoted: Unquoted,
+    /// Where each cell begins and ends in the line, or in the text without quotes.
+    bounds: Vec<(usize, usize)>,
+}
+
+/// The cells of a line.
+#[derive(Clone, Copy)]
+pub(super) struct Cells<'a> {
+    text: &'a str,
+    bounds: &'a [(usize, usize)],
+}
+
+impl<'a> Cells<'a> {
+    pub(super) fn len(&self) -> usize {
+        self.bounds.len()
     }
 
-    fn owned_cells(&self, line: &str) -> Vec<String> {
-        self.cells(line, &mut ::csv::StringRecord::new()).into_iter().map(str::to_owned).collect()
+    /// A cell without blanks around it; an empty text where there is none.
+    #[inline]
+    pub(super) fn get(&self, column: usize) -> &'a str {
+        let cell = self.bounds.get(column).and_then(|&(from, to)| self.text.get(from..to));
+        cells::trim(cell.unwrap_or_default())
+    }
+
+    pub(super) fn iter(self) -> impl Iterator<Item = &'a str> {
+        (0..self.len()).map(move |column| self.get(column))
+    }
+}
+
+/// Cells whose quotes are taken away (RFC 4180).
+#[derive(Default)]
+struct Unquoted {
+    text: String,
+    ends: Vec<usize>,
+    /// With the character between cells that it was made for.
+    reader: Option<(u8, csv_core::Reader)>,
+}
+
+impl Unquoted {
+    /// Writes the cells of a line to `text`, one behind the other, and where each begins and ends to `bounds`.
+    fn read(&mut self, line: &str, delimiter: u8, bounds: &mut Vec<(usize, usize)>) {
+        let reader = match &mut self.reader {
+            Some((made_for, reader)) if *made_for == delimiter => reader,
+            other => &mut other.insert((delimiter, csv_core::ReaderBuilder::new().delimiter(delimiter).build())).1,
+        };
+        reader.reset();
+        // Without its quotes a line is not longer, and it has at most one cell more than bytes. The reader asks for room
+        // that it does not use.
+        let mut text = std::mem::take(&mut self.text).into_bytes();
+        text.resize(line.len() + 1, 0);
+        self.ends.resize(line.len() + 2, 0);
+        let (mut input, mut written, mut count) = (line.as_bytes(), 0, 0);
+        loop {
+            let (text, ends) = (text.get_mut(written..), self.ends.get_mut(count..));
+            let (state, taken, wrote, ended) = reader.read_record(input, text.unwrap_or_default(), ends.unwrap_or_default());
+            (written, count) = (written + wrote, count + ended);
+            input = input.get(taken..).unwrap_or_default();
+            // A line is one record: its end is told by one more call without input.
+            if !matches!(state, csv_core::ReadRecordResult::InputEmpty) {
+                break;
+            }
+        }
+        text.truncate(written);
+        // Cells end at characters of ASCII, so that what was UTF-8 stays so.
+        self.text = String::from_utf8(text).unwrap_or_default();
+        let mut from = 0;
+        for &to in self.ends.iter().take(count) {
+            bounds.push((from, to));
+            from = to;
+        }
     }
 }
 
@@ -110,13 +199,14 @@ pub(super) fn sniff(sample: &[u8], complete: bool, wanted: Option<char>) -> Form
     let rows = rows.get(format.titles..).unwrap_or_default();
     // Decimal commas: numbers written with a comma, and none with a point.
     let mut commas = false;
+    let mut scratch = Scratch::default();
     for row in rows.iter().skip(1) {
-        for cell in format.owned_cells(row) {
-            let point = cell.contains('.') && matches!(cells::parse(&cell, false), Cell::Value(_));
+        for cell in format.cells(row, &mut scratch).iter() {
+            let point = cell.contains('.') && matches!(cells::parse(cell, false), Cell::Value(_));
             if point {
                 return format;
             }
-            commas |= cells::has_decimal_comma(&cell);
+            commas |= cells::has_decimal_comma(cell);
         }
     }
     format.decimal_comma = commas;
@@ -127,8 +217,9 @@ pub(super) fn sniff(sample: &[u8], complete: bool, wanted: Option<char>) -> Form
 /// more cells.
 fn best_delimiter(rows: &[&str], with: impl Fn(Delimiter) -> Format) -> Delimiter {
     let mut best = (Delimiter::Byte(b','), 0, 1);
+    let mut scratch = Scratch::default();
     for candidate in DELIMITERS {
-        let counts: Vec<usize> = rows.iter().map(|row| with(candidate).owned_cells(row).len()).collect();
+        let counts: Vec<usize> = rows.iter().map(|row| with(candidate).cells(row, &mut scratch).len()).collect();
         let Some((&header, below)) = counts.split_first() else { continue };
         let agreeing = 1 + below.iter().filter(|&&count| count == header).count();
         if header >= 2 && (agreeing, header) > (best.1, best.2) {
@@ -138,7 +229,7 @@ fn best_delimiter(rows: &[&str], with: impl Fn(Delimiter) -> Format) -> Delimite
     // Below titles the header is not the first row: the number of cells that most rows have tells.
     let first_alone = best.1 <= 1;
     for candidate in DELIMITERS.into_iter().filter(|_| first_alone && rows.len() > 3) {
-        let counts: Vec<usize> = rows.iter().map(|row| with(candidate).owned_cells(row).len()).collect();
+        let counts: Vec<usize> = rows.iter().map(|row| with(candidate).cells(row, &mut scratch).len()).collect();
         let (cells, agreeing) = most_frequent(&counts);
         if cells >= 2 && 2 * agreeing > rows.len() && (agreeing, cells) > (best.1, best.2) {
             best = (candidate, agreeing, cells);
@@ -158,8 +249,9 @@ fn most_frequent(counts: &[usize]) -> (usize, usize) {
 
 /// Number of the first rows that are titles above a table: less than half as many filled cells as most rows have.
 fn titles(rows: &[&str], format: Format) -> usize {
-    let filled: Vec<usize> =
-        rows.iter().map(|row| format.owned_cells(row).iter().filter(|cell| !cell.trim().is_empty()).count()).collect();
+    let mut scratch = Scratch::default();
+    let mut filled_of = |row: &&str| format.cells(row, &mut scratch).iter().filter(|cell| !cell.is_empty()).count();
+    let filled: Vec<usize> = rows.iter().map(&mut filled_of).collect();
     let (cells, often) = most_frequent(&filled);
     // A name in quotes may hold a line end: its beginning is no title.
     let is_title = |(row, &count): (&&str, &usize)| 2 * count < cells && !format.is_open(row);
