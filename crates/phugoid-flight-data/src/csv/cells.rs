@@ -12,7 +12,7 @@ pub(super) enum Cell {
 }
 
 /// The longest number with a decimal comma that is read, bytes: no number of a recorder has as many digits.
-const LONGEST_WITH_COMMA: usize = 256;
+const LONGEST_WITH_COMMA: usize = 64;
 
 /// A cell without the blanks around it.
 #[inline]
@@ -32,7 +32,7 @@ pub(super) fn parse(text: &str, decimal_comma: bool) -> Cell {
     let text = trim(text);
     let number = match decimal_comma {
         true => with_decimal_comma(text),
-        false => text.parse().ok(),
+        false => fast_float2::parse(text).ok(),
     };
     match number {
         Some(value) if f64::is_finite(value) => Cell::Value(value),
@@ -69,8 +69,7 @@ fn with_decimal_comma(text: &str) -> Option<f64> {
             other => other,
         };
     }
-    let text = std::str::from_utf8(written).ok().filter(|_| commas <= 1)?;
-    text.parse().ok()
+    (commas <= 1).then(|| fast_float2::parse(&*written).ok()).flatten()
 }
 
 /// Reads a number such as `1.5D+03`, as Fortran writes double precision.
@@ -103,6 +102,35 @@ pub(super) fn has_decimal_comma(text: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #![proptest_config(ProptestConfig { rng_seed: proptest::test_runner::RngSeed::Fixed(21), ..ProptestConfig::with_cases(20_000) })]
+
+        /// What is a number, and which, is decided as the standard library decides it.
+        #[test]
+        fn numbers_are_those_of_the_standard_library(text in "[+-]?[0-9.]{0,20}([eE][+-]?[0-9]{0,3})?|[-+.0-9eEdinfaNt]{1,6}") {
+            let expected = text.parse::<f64>().ok().filter(|value| value.is_finite()).map(f64::to_bits);
+            let commas = text.replacen('.', ",", 1);
+            let without_points = !commas.contains('.');
+            for (text, decimal_comma, applies) in [(&text, false, true), (&commas, true, without_points)] {
+                match parse(text, decimal_comma) {
+                    Cell::Value(value) if fortran(text).is_none() => prop_assert_eq!(Some(value.to_bits()), expected.filter(|_| applies), "{}", text),
+                    Cell::Value(_) => {}
+                    Cell::Missing | Cell::Text => prop_assert!(expected.is_none() || !applies, "{}", text),
+                }
+            }
+        }
+
+        #[test]
+        fn every_number_comes_back_from_its_shortest_text(bits: u64) {
+            let value = f64::from_bits(bits);
+            if value.is_finite() {
+                prop_assert_eq!(parse(&value.to_string(), false), Cell::Value(value));
+                prop_assert_eq!(parse(&format!("{value:e}"), false), Cell::Value(value));
+            }
+        }
+    }
 
     #[test]
     fn numbers_and_gaps() {

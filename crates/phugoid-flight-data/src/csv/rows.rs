@@ -1,6 +1,6 @@
 //! Collects the rows of a CSV file, and counts what is wrong with those that are left out.
 
-use super::cells::{self, Cell};
+use super::cells::Cell;
 use super::format::{Cells, Format, Scratch};
 use super::text_file::Row;
 use super::{CsvOptions, ReadError};
@@ -106,7 +106,7 @@ impl Rows {
         } else {
             self.unended = Some(row.line);
         }
-        let Some(time) = time(self.plan.time.as_ref(), &mut self.clock, self.format, cells, row_index, options) else {
+        let Some(time) = time(self.plan.time.as_ref(), &mut self.clock, cells, row_index, options) else {
             self.no_time.add(row.line);
             return Ok(());
         };
@@ -116,13 +116,13 @@ impl Rows {
         self.table.lines.push(row.line);
         for ((channel, values), text) in self.plan.channels.iter().zip(&mut self.table.columns).zip(&mut self.text) {
             values.push(channel.value(|column| {
-                let cell = if half && column == last { "" } else { cells.get(column) };
-                match cells::parse(cell, self.format.decimal_comma) {
+                let cell = if half && column == last { Cell::Missing } else { cells.read(column) };
+                match cell {
                     Cell::Value(value) => value,
                     Cell::Missing => f64::NAN,
                     Cell::Text => {
                         if text.0.count() == 0 {
-                            text.1 = cut(cell, 20);
+                            text.1 = cut(cells.get(column), 20);
                         }
                         text.0.add(row.line);
                         f64::NAN
@@ -235,7 +235,6 @@ impl Rows {
 fn time(
     column: Option<&ColumnUse>,
     clock: &mut Option<Clock>,
-    format: Format,
     cells: Cells<'_>,
     row_index: usize,
     options: &CsvOptions,
@@ -244,18 +243,16 @@ fn time(
         return Some(step * row_index as f64).filter(|time| time.is_finite());
     }
     let column = column?;
-    let cell = cells.get(column.column);
-    if let Some(clock) = clock
-        && let Some(seconds) = clock.seconds(cell)
-    {
+    // A clock time is no number: where there is a clock already, it is asked first.
+    if let Some(seconds) = clock.as_mut().and_then(|clock| clock.seconds(cells.get(column.column))) {
         return Some(seconds);
     }
-    if let Cell::Value(value) = cells::parse(cell, format.decimal_comma) {
+    if let Cell::Value(value) = cells.read(column.column) {
         return Some(column.value(|_| value)).filter(|time| time.is_finite());
     }
     // The first clock time makes the clock, which goes on from row to row.
     let mut new = clock.is_none().then(Clock::default)?;
-    let seconds = new.seconds(cell)?;
+    let seconds = new.seconds(cells.get(column.column))?;
     *clock = Some(new);
     Some(seconds)
 }

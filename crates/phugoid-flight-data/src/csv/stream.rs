@@ -144,11 +144,9 @@ impl RowReader {
         if cells.len() != self.fields {
             return Err(BadRow::Cells { found: cells.len(), expected: self.fields });
         }
-        let number = |column: usize| {
-            match cells::parse(cells.get(column), self.format.decimal_comma) {
-                Cell::Value(value) => Some(value),
-                Cell::Missing | Cell::Text => None,
-            }
+        let number = |column: usize| match cells.read(column) {
+            Cell::Value(value) => Some(value),
+            Cell::Missing | Cell::Text => None,
         };
         let clock = || {
             let column = self.columns.plan.time.as_ref()?.column;
