@@ -70,6 +70,31 @@ pub(crate) fn csv(rows: usize) -> String {
     text
 }
 
+/// The table as a table calculation of central Europe writes it: decimal commas between semicolons.
+pub(crate) fn with_decimal_commas(text: &str) -> String {
+    text.replace(',', ";").replace('.', ",")
+}
+
+/// The table with every cell in quotes.
+pub(crate) fn quoted(text: &str) -> String {
+    let quote = |line: &str| line.split(',').map(|cell| format!("\"{cell}\"")).collect::<Vec<_>>().join(",") + "\n";
+    text.lines().map(quote).collect()
+}
+
+/// The table with dates and times of day in place of seconds.
+pub(crate) fn with_clock(text: &str) -> String {
+    let mut rows = text.lines();
+    let mut clock = rows.next().unwrap_or_default().replace("time_s", "time") + "\n";
+    for (row, line) in rows.enumerate() {
+        let (seconds, hundredths) = (row / 100, row % 100);
+        let rest = line.split_once(',').map_or("", |(_, rest)| rest);
+        let (hours, minutes, seconds) = (8 + seconds / 3600, seconds / 60 % 60, seconds % 60);
+        // Writing to a text in memory does not fail.
+        let _ = writeln!(clock, "26.11.2026 {hours:02}:{minutes:02}:{seconds:02}.{hundredths:02},{rest}");
+    }
+    clock
+}
+
 /// The least that a reader has to do, with the standard library: lines, divided at commas, every cell as a number.
 #[inline(never)]
 pub(crate) fn plain_pass(text: &str) -> Vec<Vec<f64>> {

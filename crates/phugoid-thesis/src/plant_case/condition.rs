@@ -121,10 +121,11 @@ pub(super) fn condition(case: &PlantCase, run: &PlantRun, method: &Method, resul
         }
         Method::Extended { reaching_time_s, .. } => {
             let [largest, smallest] = result.information.last().copied().unwrap_or([f64::NAN; 2]);
+            let unknowns = case.unknowns().count();
             format!(
-                "rank {} of 2 at the end: the accumulated equations have eigenvalues of {largest:.1e} and {smallest:.1e}; from \
+                "rank {} of {unknowns} at the end: the accumulated equations have eigenvalues of {largest:.1e} and {smallest:.1e}; from \
                  bound to bound in {reaching_time_s} s",
-                if smallest > 1e-12 * largest { 2 } else { 1 }
+                if smallest > 1e-12 * largest { unknowns } else { 1 }
             )
         }
     }
