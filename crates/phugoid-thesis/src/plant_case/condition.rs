@@ -185,12 +185,11 @@ fn flagship(case: &PlantCase, run: &PlantRun, noise_std: &[f64], result: &Method
             Some(format!("{name} {:.1e}", error / p.truth.abs()))
         })
         .collect();
-    format!(
-        "the information in the record decides: told {origin} of {}; it claims as one-sigma error at the published time, as a \
-         part of the truth: {}",
-        told.join(" and "),
-        claims.join(", ")
-    )
+    let told = format!("the information in the record decides: told {origin} of {}", told.join(" and "));
+    if claims.is_empty() {
+        return told;
+    }
+    format!("{told}; it claims as one-sigma error at the published time, as a part of the truth: {}", claims.join(", "))
 }
 
 #[cfg(test)]

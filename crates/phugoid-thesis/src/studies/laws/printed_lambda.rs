@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use super::draw::note;
 use crate::aircraft_case::{AircraftCase, MethodRun, NamedMethod, fly, published_case, run_method};
 use crate::plant_case::verdict::{TOLERANCE, behaviour};
-use crate::result::{Behaviour, Reproduction, Role};
+use crate::result::{Behaviour, Reproduction, Requirement, Role};
 use phugoid_evaluation::accuracy::StudyError;
 use phugoid_evaluation::monte_carlo::monte_carlo;
 use phugoid_evaluation::settling::settled_at;
@@ -63,7 +63,24 @@ pub(super) fn run(id: &str, progress: &(dyn Fn(f64) + Sync)) -> Result<Reproduct
             note(&mut golden, format!("{}, lambda {}, {}: end over truth", row.case, row.lambda, law.name), law.end);
         }
     }
+    let all = |has: &dyn Fn(&Row, &Law) -> bool| {
+        let judged = || rows.iter().flat_map(|row| row.laws.iter().map(move |law| (row, law)));
+        judged().filter(|(row, law)| has(row, law)).map(|(_, law)| law).collect::<Vec<_>>()
+    };
+    let diverging = |laws: &[&Law]| laws.iter().filter(|law| law.behaviour == Behaviour::Diverges).count();
+    let requirement = |what: &str, laws: &[&Law]| Requirement {
+        what: what.to_owned(),
+        limit: format!("{} runs", laws.len()),
+        found: format!("{} runs", diverging(laws)),
+        met: !laws.is_empty() && diverging(laws) == laws.len(),
+    };
+    let delayed = all(&|_, law| law.name.ends_with("one-sample delay"));
+    let unstable = all(&|row, law| row.step >= 2.0 && law.name == "printed law, implicit");
     Ok(Reproduction {
+        requirements: vec![
+            requirement("printed law with a delay of one sample: diverges with every reading", &delayed),
+            requirement("printed law solved at every sample: diverges with every reading of lambda h >= 2", &unstable),
+        ],
         id: id.to_owned(),
         title: "The printed lambda of tables 4.7 and 4.8, in each reading".to_owned(),
         place: "tables 4.7 and 4.8".to_owned(),
@@ -79,7 +96,14 @@ pub(super) fn run(id: &str, progress: &(dyn Fn(f64) + Sync)) -> Result<Reproduct
     })
 }
 
-const DIFFERENCE: &str = "TO BE WRITTEN";
+const DIFFERENCE: &str = "With a delay of one sample in its loop the printed law diverges in every case with every reading. Solved at \
+    every sample it is stable for lambda h < 2 (theory, section 10): at 100 Hz readings with a large exponent (1e7, 2e4) cannot have \
+    been run, they would need samples every 0.2 us and 0.1 ms, and here they diverge in every case. Table 4.7: 7 and 10 do the same, \
+    converge in all four cases and are within 5 % at 99 % of the samples; with 1e-7 nothing leads the estimate back after a crossing, \
+    and it diverges. Table 4.8: 2, 4, 10 and 16 are within 5 % at 88 to 96 % of the samples of the sines (cases 1 and 2) and leave \
+    them at every crossing; in case 3, the doublet, 10 and 16 converge after 18.8 s (18 s is published), 4 chatters, and 2 and 2^-4 \
+    do not come back. So 2^4 fits table 4.8, and a lambda of some 10 1/s table 4.7; the text does not prove either. The damped law holds \
+    lambda h at 0.5 or less, so that a large reading does it no harm.";
 
 /// Flies a case and runs the laws of its file with another lambda.
 fn one(id: &'static str, reading: &'static str, lambda: f64) -> Result<Row, StudyError> {
@@ -87,7 +111,8 @@ fn one(id: &'static str, reading: &'static str, lambda: f64) -> Result<Row, Stud
     case.parameters.values_mut().for_each(|told| told.lambda = lambda);
     let flight = fly(&case)?;
     let methods = case.methods()?;
-    let laws = methods.iter().filter(|method| method.role != Role::Flagship);
+    // The printed law, and of its mended forms the one that has no bias.
+    let laws = methods.iter().filter(|method| method.role == Role::Published || method.name.starts_with("damped"));
     let laws = laws.map(|method| law(&case, method, &run_method(&case, &flight, method)?)).collect::<Result<_, _>>()?;
     let time = &flight.measured.time;
     let step = lambda * time.get(1).zip(time.first()).map_or(f64::NAN, |(second, first)| second - first);
