@@ -74,7 +74,7 @@ fn outputs_that_leave_a_state_out_leave_the_flagship() {
 #[test]
 fn mistakes_are_answered_with_what_to_write() {
     for (from, to, words) in [
-        ("c*v*abs(v)", "c*v*abbs(v)", "character 14: unknown function `abbs`: did you mean `abs`?"),
+        ("c*v*abs(v)", "c*v*abbs(v)", "character 16: unknown function `abbs`: did you mean `abs`?"),
         ("c*v*abs(v)", "c*c*v", "is not linear in the unknown parameters"),
         ("[parameters.c]", "[parameters.cc]", "the plant has no parameter `cc`: did you mean `c`?"),
         ("rates.x", "rats.x", "unknown field `rats`: did you mean `rates`?"),
