@@ -7,7 +7,7 @@ use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64Mcg;
 
 use super::format::PlantCase;
-use super::plant::{ROOM, Visit};
+use super::plant::{Plant, ROOM, Visit};
 use phugoid_evaluation::accuracy::StudyError;
 
 /// Longest integration step of plants and estimated models, s: fourth order at the fastest plant (rate 25 1/s) leaves
@@ -106,13 +106,16 @@ impl Visit for Exact<'_> {
             model.linearized_outputs(&x, &truth, &input(t), &mut out);
             // What lies between the outputs and the rate is not measured.
             let measured = || out.outputs.iter().take(case.plant.outputs()).chain(out.outputs.last());
-            if x.iter().all(|x| x.is_finite() && x.abs() < 1e9) && !measured().all(|y| y.is_finite()) {
+            let all = || measured().chain(&x);
+            if matches!(case.plant, Plant::Own(_)) && all().any(|value| value.is_nan()) {
                 return Err(StudyError::Unsuitable(format!(
-                    "{}: at {t:.3} s a rate or output of the plant is no number: a logarithm, root, power or division leaves the range                      in which it has a value",
+                    "{}: at {t:.3} s a rate or output of the plant is no number: a formula leaves the range in which it has a value \
+                     (logarithm, root, power, division), or the plant escapes: end the record (`duration`) before, or make the input \
+                     smaller",
                     case.title
                 )));
             }
-            if !measured().chain(&x).all(|y| y.is_finite() && y.abs() < 1e9) {
+            if !all().all(|y| y.is_finite() && y.abs() < 1e9) {
                 return Err(StudyError::Unsuitable(format!(
                     "{}: the plant escapes at {t:.3} s: end the record (`duration`) before, or make the input smaller",
                     case.title

@@ -68,7 +68,11 @@ fn outputs_that_leave_a_state_out_leave_the_flagship() {
     let result = run(&EXAMPLE.replace("\n[parameters.k]", "outputs.position = \"x\"\n\n[parameters.k]"));
     assert_eq!(result.outcomes.len(), 1);
     assert_eq!(behaviour(&result, "flagship"), Some(&Behaviour::Converges));
-    assert!(result.difference.contains("need every state measured, and `outputs` does not give v"), "{}", result.difference);
+    assert!(
+        result.difference.contains("need every state measured, and `outputs` does not give v"),
+        "{}",
+        result.difference
+    );
 }
 
 #[test]
