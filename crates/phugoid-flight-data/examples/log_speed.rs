@@ -5,12 +5,15 @@
 //! Speeds are by the clock on the wall and, where Linux tells it, by the time that this program had a processor: on a machine that
 //! others use too only the second says what the reader costs. The file lies in the folder for temporary files and is removed afterwards. Megabytes are of 10^6 bytes.
 
+#[path = "clock/mod.rs"]
+mod clock;
+
 use std::error::Error;
 use std::fs::File;
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
+use clock::Clock;
 use phugoid_flight_data::format::Format;
 use phugoid_flight_data::log::{self, Selection};
 use phugoid_flight_data::memory::Memory;
@@ -58,30 +61,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Time on the wall and on a processor.
-struct Clock {
-    wall: Instant,
-    processor_s: Option<f64>,
-}
-
-impl Clock {
-    fn start() -> Self {
-        Self { wall: Instant::now(), processor_s: processor_s() }
-    }
-}
-
-/// Seconds that this program ran on a processor (Linux).
-fn processor_s() -> Option<f64> {
-    let text = std::fs::read_to_string("/proc/self/schedstat").ok()?;
-    Some(text.split_whitespace().next()?.parse::<f64>().ok()? * 1e-9)
-}
-
 fn say(what: &str, bytes: usize, clock: &Clock, detail: &str) {
     let megabytes = bytes as f64 / 1e6;
-    let wall_s = clock.wall.elapsed().as_secs_f64();
+    let wall_s = clock.wall_s();
     print!("{what}: {wall_s:.2} s, {:.0} MB/s", megabytes / wall_s);
-    if let Some((before, now)) = clock.processor_s.zip(processor_s()) {
-        print!("; {:.2} s on a processor, {:.0} MB/s", now - before, megabytes / (now - before));
+    if let Some(processor_s) = clock.processor_s() {
+        print!("; {processor_s:.2} s on a processor, {:.0} MB/s", megabytes / processor_s);
     }
     println!("{}{detail}", if detail.is_empty() { "" } else { "; " });
 }

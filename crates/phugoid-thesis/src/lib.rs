@@ -12,6 +12,7 @@ pub mod case_file;
 pub mod comparison;
 mod embedded;
 mod entry;
+mod expression;
 mod flight_charts;
 pub mod golden;
 pub mod group;

@@ -41,28 +41,180 @@ impl Format {
         quoted
     }
 
-    /// The cells of a line. `scratch` holds them if quotes had to be removed.
-    pub(super) fn cells<'a>(&self, line: &'a str, scratch: &'a mut ::csv::StringRecord) -> Vec<&'a str> {
-        match self.delimiter {
-            Delimiter::Blanks => line.split_whitespace().collect(),
-            Delimiter::Byte(byte) if !line.contains('"') => line.split(char::from(byte)).map(str::trim).collect(),
-            Delimiter::Byte(byte) => {
-                let mut reader = ::csv::ReaderBuilder::new()
-                    .has_headers(false)
-                    .flexible(true)
-                    .trim(::csv::Trim::All)
-                    .delimiter(byte)
-                    .from_reader(line.as_bytes());
-                scratch.clear();
-                // Reading text from memory does not fail; if it did, the line would have no cells and be reported.
-                let _ = reader.read_record(scratch);
-                scratch.iter().collect()
+    /// The cells of a line, without blanks around them. What `scratch` holds is used again from line to line.
+    pub(super) fn cells<'a>(&self, line: &'a str, scratch: &'a mut Scratch) -> Cells<'a> {
+        let Scratch { unquoted, places, with_points } = scratch;
+        places.clear();
+        let text = match self.delimiter {
+            Delimiter::Blanks => {
+                let mut start = None;
+                for (at, character) in line.char_indices() {
+                    match (character.is_whitespace(), start) {
+                        (true, Some(from)) => {
+                            places.push(Place::of(from, at));
+                            start = None;
+                        }
+                        (false, None) => start = Some(at),
+                        _ => {}
+                    }
+                }
+                places.extend(start.map(|from| Place::of(from, line.len())));
+                line
             }
+            Delimiter::Byte(byte) if memchr::memchr(b'"', line.as_bytes()).is_none() => {
+                let mut numbers = line.as_bytes();
+                if self.decimal_comma {
+                    // What a point becomes is no part of a number: it may separate thousands.
+                    let swapped = |byte: u8| {
+                        if byte == b',' {
+                            b'.'
+                        } else if byte == b'.' {
+                            b'?'
+                        } else {
+                            byte
+                        }
+                    };
+                    with_points.clear();
+                    with_points.extend(line.bytes().map(swapped));
+                    numbers = with_points;
+                }
+                self.divide(line.as_bytes(), numbers, byte, places);
+                line
+            }
+            Delimiter::Byte(byte) => {
+                unquoted.read(line, byte, places);
+                &unquoted.text
+            }
+        };
+        Cells { text, places, decimal_comma: self.decimal_comma }
+    }
+
+    /// Where the cells of a line without quotes lie. A cell that is a number is read on the way to its end, so that no byte of it
+    /// is looked at twice. `numbers` is the line with points in its numbers.
+    fn divide(&self, line: &[u8], numbers: &[u8], delimiter: u8, places: &mut Vec<Place>) {
+        // A character of numbers may separate cells: where a line `sep=` says so, or a comma beside decimal commas in quotes.
+        let is_usual = DELIMITERS.contains(&Delimiter::Byte(delimiter));
+        let numbers_first = is_usual && !(self.decimal_comma && delimiter == b',');
+        let mut from = 0;
+        loop {
+            let rest = line.get(from..).unwrap_or_default();
+            let number = || fast_float2::parse_partial(numbers.get(from..).unwrap_or_default()).ok();
+            let number = numbers_first.then(number).flatten();
+            let ends_at = |length: usize| rest.get(length).is_none_or(|next| *next == delimiter);
+            let place = match number {
+                Some((value, length)) if ends_at(length) => Place { from, to: from + length, number: Some(value) },
+                _ => Place::of(from, from + memchr::memchr(delimiter, rest).unwrap_or(rest.len())),
+            };
+            places.push(place);
+            if place.to >= line.len() {
+                return;
+            }
+            from = place.to + 1;
+        }
+    }
+}
+
+/// Memory that the division of lines into cells needs, used again from line to line.
+#[derive(Default)]
+pub(super) struct Scratch {
+    unquoted: Unquoted,
+    places: Vec<Place>,
+    /// A line with points in place of its decimal commas.
+    with_points: Vec<u8>,
+}
+
+/// Where a cell begins and ends in its line, or in the text without quotes.
+#[derive(Clone, Copy)]
+struct Place {
+    from: usize,
+    to: usize,
+    /// The number in it, if it was read already.
+    number: Option<f64>,
+}
+
+impl Place {
+    fn of(from: usize, to: usize) -> Self {
+        Self { from, to, number: None }
+    }
+}
+
+/// The cells of a line.
+#[derive(Clone, Copy)]
+pub(super) struct Cells<'a> {
+    text: &'a str,
+    places: &'a [Place],
+    decimal_comma: bool,
+}
+
+impl<'a> Cells<'a> {
+    pub(super) fn len(&self) -> usize {
+        self.places.len()
+    }
+
+    /// A cell without blanks around it; an empty text where there is none.
+    #[inline]
+    pub(super) fn get(&self, column: usize) -> &'a str {
+        let cell = self.places.get(column).and_then(|place| self.text.get(place.from..place.to));
+        cells::trim(cell.unwrap_or_default())
+    }
+
+    /// What a cell holds; nothing where there is none.
+    #[inline]
+    pub(super) fn read(&self, column: usize) -> Cell {
+        match self.places.get(column).and_then(|place| place.number) {
+            Some(value) if value.is_finite() => Cell::Value(value),
+            Some(_) => Cell::Missing,
+            None => cells::parse(self.get(column), self.decimal_comma),
         }
     }
 
-    fn owned_cells(&self, line: &str) -> Vec<String> {
-        self.cells(line, &mut ::csv::StringRecord::new()).into_iter().map(str::to_owned).collect()
+    pub(super) fn iter(self) -> impl Iterator<Item = &'a str> {
+        (0..self.len()).map(move |column| self.get(column))
+    }
+}
+
+/// Cells whose quotes are taken away (RFC 4180).
+#[derive(Default)]
+struct Unquoted {
+    text: String,
+    ends: Vec<usize>,
+    /// With the character between cells that it was made for.
+    reader: Option<(u8, csv_core::Reader)>,
+}
+
+impl Unquoted {
+    /// Writes the cells of a line to `text`, one behind the other, and where each lies to `places`.
+    fn read(&mut self, line: &str, delimiter: u8, places: &mut Vec<Place>) {
+        let reader = match &mut self.reader {
+            Some((made_for, reader)) if *made_for == delimiter => reader,
+            other => &mut other.insert((delimiter, csv_core::ReaderBuilder::new().delimiter(delimiter).build())).1,
+        };
+        reader.reset();
+        // Without its quotes a line is not longer, and it has at most one cell more than bytes. The reader asks for room
+        // that it does not use.
+        let mut text = std::mem::take(&mut self.text).into_bytes();
+        text.resize(line.len() + 1, 0);
+        self.ends.resize(line.len() + 2, 0);
+        let (mut input, mut written, mut count) = (line.as_bytes(), 0, 0);
+        loop {
+            let (text, ends) = (text.get_mut(written..), self.ends.get_mut(count..));
+            let (state, taken, wrote, ended) =
+                reader.read_record(input, text.unwrap_or_default(), ends.unwrap_or_default());
+            (written, count) = (written + wrote, count + ended);
+            input = input.get(taken..).unwrap_or_default();
+            // A line is one record: its end is told by one more call without input.
+            if !matches!(state, csv_core::ReadRecordResult::InputEmpty) {
+                break;
+            }
+        }
+        text.truncate(written);
+        // Cells end at characters of ASCII, so that what was UTF-8 stays so.
+        self.text = String::from_utf8(text).unwrap_or_default();
+        let mut from = 0;
+        for &to in self.ends.iter().take(count) {
+            places.push(Place::of(from, to));
+            from = to;
+        }
     }
 }
 
@@ -110,13 +262,14 @@ pub(super) fn sniff(sample: &[u8], complete: bool, wanted: Option<char>) -> Form
     let rows = rows.get(format.titles..).unwrap_or_default();
     // Decimal commas: numbers written with a comma, and none with a point.
     let mut commas = false;
+    let mut scratch = Scratch::default();
     for row in rows.iter().skip(1) {
-        for cell in format.owned_cells(row) {
-            let point = cell.contains('.') && matches!(cells::parse(&cell, false), Cell::Value(_));
+        for cell in format.cells(row, &mut scratch).iter() {
+            let point = cell.contains('.') && matches!(cells::parse(cell, false), Cell::Value(_));
             if point {
                 return format;
             }
-            commas |= cells::has_decimal_comma(&cell);
+            commas |= cells::has_decimal_comma(cell);
         }
     }
     format.decimal_comma = commas;
@@ -127,8 +280,9 @@ pub(super) fn sniff(sample: &[u8], complete: bool, wanted: Option<char>) -> Form
 /// more cells.
 fn best_delimiter(rows: &[&str], with: impl Fn(Delimiter) -> Format) -> Delimiter {
     let mut best = (Delimiter::Byte(b','), 0, 1);
+    let mut scratch = Scratch::default();
     for candidate in DELIMITERS {
-        let counts: Vec<usize> = rows.iter().map(|row| with(candidate).owned_cells(row).len()).collect();
+        let counts: Vec<usize> = rows.iter().map(|row| with(candidate).cells(row, &mut scratch).len()).collect();
         let Some((&header, below)) = counts.split_first() else { continue };
         let agreeing = 1 + below.iter().filter(|&&count| count == header).count();
         if header >= 2 && (agreeing, header) > (best.1, best.2) {
@@ -138,7 +292,7 @@ fn best_delimiter(rows: &[&str], with: impl Fn(Delimiter) -> Format) -> Delimite
     // Below titles the header is not the first row: the number of cells that most rows have tells.
     let first_alone = best.1 <= 1;
     for candidate in DELIMITERS.into_iter().filter(|_| first_alone && rows.len() > 3) {
-        let counts: Vec<usize> = rows.iter().map(|row| with(candidate).owned_cells(row).len()).collect();
+        let counts: Vec<usize> = rows.iter().map(|row| with(candidate).cells(row, &mut scratch).len()).collect();
         let (cells, agreeing) = most_frequent(&counts);
         if cells >= 2 && 2 * agreeing > rows.len() && (agreeing, cells) > (best.1, best.2) {
             best = (candidate, agreeing, cells);
@@ -158,8 +312,9 @@ fn most_frequent(counts: &[usize]) -> (usize, usize) {
 
 /// Number of the first rows that are titles above a table: less than half as many filled cells as most rows have.
 fn titles(rows: &[&str], format: Format) -> usize {
-    let filled: Vec<usize> =
-        rows.iter().map(|row| format.owned_cells(row).iter().filter(|cell| !cell.trim().is_empty()).count()).collect();
+    let mut scratch = Scratch::default();
+    let mut filled_of = |row: &&str| format.cells(row, &mut scratch).iter().filter(|cell| !cell.is_empty()).count();
+    let filled: Vec<usize> = rows.iter().map(&mut filled_of).collect();
     let (cells, often) = most_frequent(&filled);
     // A name in quotes may hold a line end: its beginning is no title.
     let is_title = |(row, &count): (&&str, &usize)| 2 * count < cells && !format.is_open(row);
@@ -196,6 +351,43 @@ mod tests {
     fn format(text: &str) -> (Delimiter, bool) {
         let format = sniff(text.as_bytes(), true, None);
         (format.delimiter, format.decimal_comma)
+    }
+
+    /// The cells and what they hold, as [`Format::cells`] gives them, and as they were given before numbers were read on the way:
+    /// divided at every delimiter, and read one by one.
+    #[test]
+    fn numbers_read_on_the_way_are_those_of_their_cells() {
+        let lines = [
+            "0.01,1,-2.5e-3,+4.,.5,1e400,-inf,NaN, 7 ,8 ,,x,1.2.3,12:30:05.5,1e5x,0x10,-,1,5,1D3,\u{a0}9",
+            "1,5;-0,03e-2;1.5;1,5,5;1.234,5; 7,25 ;;5;,5;5,;-;na;1e2;12:30:05,5;1,5D3",
+            "1.5\t2\t \t-3e1\t4 5\t",
+            "1|2.5|x|",
+            "17",
+        ];
+        for line in lines {
+            for (delimiter, decimal_comma) in [
+                (',', false),
+                (';', true),
+                (';', false),
+                ('\t', false),
+                ('\t', true),
+                ('|', false),
+                (',', true),
+                ('.', false),
+                ('-', false),
+            ] {
+                let byte = delimiter as u8;
+                let format = Format { delimiter: Delimiter::Byte(byte), decimal_comma, line_end: b'\n', titles: 0 };
+                let mut scratch = Scratch::default();
+                let cells = format.cells(line, &mut scratch);
+                let expected: Vec<&str> = line.split(delimiter).map(str::trim).collect();
+                assert_eq!(cells.iter().collect::<Vec<_>>(), expected, "{line:?} at {delimiter:?}");
+                for (column, cell) in expected.into_iter().enumerate() {
+                    let read = cells::parse(cell, decimal_comma);
+                    assert_eq!(cells.read(column), read, "{cell:?} of {line:?} at {delimiter:?}");
+                }
+            }
+        }
     }
 
     #[test]

@@ -66,11 +66,11 @@ pub(crate) fn read_counted(
     let table_options = options.table();
     let plan = columns::plan(&head, &table_options, &mut report)?;
     let mut rows = Rows::new(plan, headers.len(), line, file.format);
-    if let Some(row) = carried {
+    if let Some(mut row) = carried {
         rows.add(&row, source, options, account)?;
-    }
-    while let Some(row) = file.next_row()? {
-        rows.add(&row, source, options, account)?;
+        while file.read_row(&mut row)? {
+            rows.add(&row, source, options, account)?;
+        }
     }
     rows.finish(source, &table_options, report)
 }

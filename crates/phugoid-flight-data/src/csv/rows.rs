@@ -1,14 +1,14 @@
 //! Collects the rows of a CSV file, and counts what is wrong with those that are left out.
 
-use super::cells::{self, Cell};
-use super::format::Format;
+use super::cells::Cell;
+use super::format::{Cells, Format, Scratch};
 use super::text_file::Row;
 use super::{CsvOptions, ReadError};
 use crate::memory::{Account, many};
 use crate::quality::QualityReport;
 use crate::record::Record;
 use crate::table::clock::Clock;
-use crate::table::columns::Plan;
+use crate::table::columns::{ColumnUse, Plan};
 use crate::table::time_base::Table;
 use crate::table::{self, BYTES_PER_ROW, Read, TableError, TableOptions};
 use crate::wording::{Counted, Lines, cut, plural};
@@ -36,6 +36,7 @@ pub(super) struct Rows {
     text: Vec<(Lines, String)>,
     /// Set by the first time that is written as a clock.
     clock: Option<Clock>,
+    scratch: Scratch,
 }
 
 impl Rows {
@@ -63,6 +64,7 @@ impl Rows {
             truncated_number: None,
             text: vec![(Lines::default(), String::new()); count],
             clock: None,
+            scratch: Scratch::default(),
         }
     }
 
@@ -75,8 +77,7 @@ impl Rows {
     ) -> Result<(), ReadError> {
         let row_index = self.seen;
         self.seen += 1;
-        let mut scratch = ::csv::StringRecord::new();
-        let cells = self.format.cells(&row.text, &mut scratch);
+        let cells = self.format.cells(&row.text, &mut self.scratch);
         if cells.len() < self.fields {
             match row.ended {
                 true => self.too_short.add(row.line),
@@ -85,14 +86,14 @@ impl Rows {
             return Ok(());
         }
         if cells.len() > self.fields {
-            if cells.iter().skip(self.fields).any(|cell| !cell.trim().is_empty()) {
+            if cells.iter().skip(self.fields).any(|cell| !cell.is_empty()) {
                 self.too_long.add(row.line);
                 return Ok(());
             }
             self.blank_at_end.add(row.line);
         }
         let last = self.fields.saturating_sub(1);
-        let last_cell = cells.get(last).map_or("", |cell| cell.trim());
+        let last_cell = cells.get(last);
         // With fewer than two rows before it the length of the cell cannot be judged.
         let half = !row.ended && self.table.time.len() >= 2 && last_cell.len() < self.shortest_last;
         if row.ended {
@@ -105,7 +106,7 @@ impl Rows {
         } else {
             self.unended = Some(row.line);
         }
-        let Some(time) = self.time(&cells, row_index, options) else {
+        let Some(time) = time(self.plan.time.as_ref(), &mut self.clock, cells, row_index, options) else {
             self.no_time.add(row.line);
             return Ok(());
         };
@@ -115,16 +116,13 @@ impl Rows {
         self.table.lines.push(row.line);
         for ((channel, values), text) in self.plan.channels.iter().zip(&mut self.table.columns).zip(&mut self.text) {
             values.push(channel.value(|column| {
-                let cell = match half && column == last {
-                    true => "",
-                    false => cells.get(column).copied().unwrap_or_default(),
-                };
-                match cells::parse(cell, self.format.decimal_comma) {
+                let cell = if half && column == last { Cell::Missing } else { cells.read(column) };
+                match cell {
                     Cell::Value(value) => value,
                     Cell::Missing => f64::NAN,
                     Cell::Text => {
                         if text.0.count() == 0 {
-                            text.1 = cut(cell, 20);
+                            text.1 = cut(cells.get(column), 20);
                         }
                         text.0.add(row.line);
                         f64::NAN
@@ -133,24 +131,6 @@ impl Rows {
             }));
         }
         Ok(())
-    }
-
-    fn time(&mut self, cells: &[&str], row_index: usize, options: &CsvOptions) -> Option<f64> {
-        if let Some(step) = options.sample_time_s {
-            return Some(step * row_index as f64).filter(|time| time.is_finite());
-        }
-        let column = self.plan.time.as_ref()?;
-        let cell = cells.get(column.column).copied().unwrap_or_default();
-        if let Cell::Value(value) = cells::parse(cell, self.format.decimal_comma) {
-            return Some(column.value(|_| value)).filter(|time| time.is_finite());
-        }
-        if let Some(clock) = &mut self.clock {
-            return clock.seconds(cell);
-        }
-        let mut clock = Clock::default();
-        let seconds = clock.seconds(cell)?;
-        self.clock = Some(clock);
-        Some(seconds)
     }
 
     pub(super) fn finish(
@@ -249,4 +229,30 @@ impl Rows {
             );
         }
     }
+}
+
+/// The time of a row, s; `None` where it has none.
+fn time(
+    column: Option<&ColumnUse>,
+    clock: &mut Option<Clock>,
+    cells: Cells<'_>,
+    row_index: usize,
+    options: &CsvOptions,
+) -> Option<f64> {
+    if let Some(step) = options.sample_time_s {
+        return Some(step * row_index as f64).filter(|time| time.is_finite());
+    }
+    let column = column?;
+    // A clock time is no number: where there is a clock already, it is asked first.
+    if let Some(seconds) = clock.as_mut().and_then(|clock| clock.seconds(cells.get(column.column))) {
+        return Some(seconds);
+    }
+    if let Cell::Value(value) = cells.read(column.column) {
+        return Some(column.value(|_| value)).filter(|time| time.is_finite());
+    }
+    // The first clock time makes the clock, which goes on from row to row.
+    let mut new = clock.is_none().then(Clock::default)?;
+    let seconds = new.seconds(cells.get(column.column))?;
+    *clock = Some(new);
+    Some(seconds)
 }

@@ -1,7 +1,7 @@
 //! Reads rows one at a time, for streams without an end. Headers and units are understood as in files.
 
 use super::cells::{self, Cell};
-use super::format::{self, Format};
+use super::format::{self, Format, Scratch};
 use super::{CsvOptions, ReadError};
 use crate::channels;
 use crate::quality::QualityReport;
@@ -116,14 +116,14 @@ impl RowReader {
     }
 
     fn with_format(source: &str, header: &str, format: Format, options: &CsvOptions) -> Result<Self, ReadError> {
-        let mut scratch = ::csv::StringRecord::new();
+        let mut scratch = Scratch::default();
         let header = header.trim_start_matches('\u{feff}').trim_start_matches('#').trim();
         let cells = format.cells(header, &mut scratch);
         if cells.iter().any(|cell| matches!(cells::parse(cell, format.decimal_comma), Cell::Value(_))) {
             let found = cut(header, 60);
             return Err(ReadError::NoHeader { source_name: source.to_owned(), line: 1, found });
         }
-        let headers: Vec<String> = cells.into_iter().map(str::to_owned).collect();
+        let headers: Vec<String> = cells.iter().map(str::to_owned).collect();
         let columns = StreamColumns::new(source, &headers, &options.table())?;
         Ok(Self { columns, format, fields: headers.len() })
     }
@@ -139,21 +139,18 @@ impl RowReader {
     /// # Errors
     /// [`BadRow`]; `values` is then undefined.
     pub fn row(&self, line: &str, values: &mut Vec<f64>) -> Result<f64, BadRow> {
-        let mut scratch = ::csv::StringRecord::new();
+        let mut scratch = Scratch::default();
         let cells = self.format.cells(line, &mut scratch);
         if cells.len() != self.fields {
             return Err(BadRow::Cells { found: cells.len(), expected: self.fields });
         }
-        let number = |column: usize| {
-            let cell = cells.get(column)?;
-            match cells::parse(cell, self.format.decimal_comma) {
-                Cell::Value(value) => Some(value),
-                Cell::Missing | Cell::Text => None,
-            }
+        let number = |column: usize| match cells.read(column) {
+            Cell::Value(value) => Some(value),
+            Cell::Missing | Cell::Text => None,
         };
         let clock = || {
             let column = self.columns.plan.time.as_ref()?.column;
-            Clock::default().seconds(cells.get(column)?)
+            Clock::default().seconds(cells.get(column))
         };
         self.columns.row(number, values).or_else(clock).ok_or(BadRow::NoTime)
     }

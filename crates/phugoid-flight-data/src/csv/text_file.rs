@@ -4,7 +4,7 @@ use std::io::{BufRead, BufReader, Chain, Cursor, Read};
 
 use super::ReadError;
 use super::cells::{self, Cell};
-use super::format::{self, Format};
+use super::format::{self, Format, Scratch};
 use crate::quality::QualityReport;
 use crate::table::clock::Clock;
 use crate::table::columns;
@@ -19,6 +19,7 @@ const MOST_HEADER_LINES: usize = 64;
 const LONGEST_LINE: usize = 1024 * 1024;
 
 /// One line that is neither blank nor a comment.
+#[derive(Default)]
 pub(super) struct Row {
     pub(super) line: usize,
     pub(super) text: String,
@@ -51,26 +52,38 @@ impl<'s, R: Read> TextFile<'s, R> {
     }
 
     pub(super) fn next_row(&mut self) -> Result<Option<Row>, ReadError> {
-        let mut bytes = Vec::new();
+        let mut row = Row::default();
+        Ok(self.read_row(&mut row)?.then_some(row))
+    }
+
+    /// Reads the next row in place of what `row` holds, whose memory is used again; false at the end of the file.
+    pub(super) fn read_row(&mut self, row: &mut Row) -> Result<bool, ReadError> {
         loop {
+            let mut bytes = std::mem::take(&mut row.text).into_bytes();
             bytes.clear();
             let bound = LONGEST_LINE as u64 + 1;
             let read = (&mut self.lines).take(bound).read_until(self.format.line_end, &mut bytes);
             let read = read.map_err(|error| ReadError::Io { source_name: self.source.to_owned(), error })?;
             if read == 0 {
-                return Ok(None);
+                return Ok(false);
             }
             self.line += 1;
             if read > LONGEST_LINE {
                 return Err(self.too_long(self.line));
             }
-            let ended = bytes.ends_with(&[self.format.line_end]);
-            let text = format::decode(&bytes);
-            let text = text.trim_end_matches(['\n', '\r']);
-            if format::is_row(text) {
-                return Ok(Some(Row { line: self.line, text: text.to_owned(), ended }));
+            row.line = self.line;
+            row.ended = bytes.ends_with(&[self.format.line_end]);
+            while bytes.ends_with(b"\n") || bytes.ends_with(b"\r") {
+                bytes.pop();
             }
-            if let Some(comment) = text.trim_start().strip_prefix('#') {
+            row.text = match String::from_utf8(bytes) {
+                Ok(text) => text,
+                Err(error) => format::decode(error.as_bytes()).into_owned(),
+            };
+            if format::is_row(&row.text) {
+                return Ok(true);
+            }
+            if let Some(comment) = row.text.trim_start().strip_prefix('#') {
                 self.last_comment = Some((self.line, comment.trim().to_owned()));
             }
         }
@@ -82,8 +95,7 @@ impl<'s, R: Read> TextFile<'s, R> {
 
     /// The cells of a row.
     pub(super) fn cells(&self, text: &str) -> Vec<String> {
-        let mut scratch = ::csv::StringRecord::new();
-        self.format.cells(text, &mut scratch).into_iter().map(str::to_owned).collect()
+        self.format.cells(text, &mut Scratch::default()).iter().map(str::to_owned).collect()
     }
 
     /// Line number and cells of the header, and the row after it if that had to be read to find the header. `given` are

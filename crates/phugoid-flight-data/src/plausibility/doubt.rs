@@ -4,6 +4,7 @@ use std::fmt;
 
 use crate::quality::{Finding, Severity};
 use crate::record::Record;
+use crate::statistics::median_step;
 
 /// How certain it is that a unit or sign is wrong.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -65,9 +66,20 @@ impl From<Doubt> for Finding {
 pub(super) struct Doubts<'a> {
     pub(super) record: &'a Record,
     pub(super) found: Vec<Doubt>,
+    /// Median step of the time, s: several checks ask for it.
+    step: Option<f64>,
 }
 
 impl<'a> Doubts<'a> {
+    pub(super) fn of(record: &'a Record) -> Self {
+        Self { record, found: Vec::new(), step: median_step(&record.time) }
+    }
+
+    /// The median step of the time, s; `None` if there is no finite step.
+    pub(super) fn step(&self) -> Option<f64> {
+        self.step
+    }
+
     /// The values of a channel, if the record has it and it is as long as the time.
     pub(super) fn values(&self, name: &str) -> Option<&'a [f64]> {
         let values = &self.record.channel(name)?.values;

@@ -12,7 +12,6 @@
 use super::accelerations::{bank, gravity_across_path};
 use super::doubt::{Cause, Certainty, Doubts};
 use super::robust::{magnitude, windows};
-use crate::statistics::median_step;
 use crate::wording::Short;
 
 /// Length of the windows, s: short against the modes, so that gusts and noise of the path stay small beside the motion.
@@ -73,11 +72,12 @@ pub(super) fn beta(doubts: &mut Doubts) {
 /// Compares the changes of an angle over short windows with those that its kinematics give.
 fn scale(doubts: &mut Doubts, name: &str, angle: &[f64], rate: impl Fn(usize) -> f64) {
     let time = doubts.time();
-    let Some(step) = median_step(time).filter(|step| *step > 0.0 && *step <= 0.5 * WINDOW_S) else { return };
+    let Some(step) = doubts.step().filter(|step| *step > 0.0 && *step <= 0.5 * WINDOW_S) else { return };
     // Windows that begin in the middle of others use the samples better.
     let half = ((0.5 * WINDOW_S / step).round() as usize).min(time.len());
-    let mut pairs = windows(time, angle, &rate, WINDOW_S);
-    pairs.extend(windows(&time[half..], &angle[half..], |k| rate(k + half), WINDOW_S));
+    let rates: Vec<f64> = (0..time.len()).map(rate).collect();
+    let mut pairs = windows(time, angle, |k| rates[k], WINDOW_S);
+    pairs.extend(windows(&time[half..], &angle[half..], |k| rates[k + half], WINDOW_S));
     pairs.retain(|(change, expected)| (change - expected).is_finite());
     let expected: Vec<f64> = pairs.iter().map(|(_, expected)| *expected).collect();
     let Some(large) = magnitude(&expected).map(|size| LARGE * size) else { return };

@@ -39,7 +39,7 @@ pub(crate) use time::unit_of_step;
 ///
 /// Missing values (NaN) are left out. Channels that are missing or not as long as the time are not checked.
 pub fn check(record: &Record) -> Vec<Doubt> {
-    let mut doubts = Doubts { record, found: Vec::new() };
+    let mut doubts = Doubts::of(record);
     sizes::angles(&mut doubts);
     sizes::others(&mut doubts);
     motion::attitude_and_rate(&mut doubts, Axis::Roll);

@@ -2,7 +2,6 @@
 
 use super::doubt::{Certainty, Doubts, write_degrees};
 use super::robust::{Fit, fit, largest_size, span};
-use crate::statistics::median_step;
 use crate::wording::Short;
 
 /// Number of degrees in a radian.
@@ -40,7 +39,7 @@ pub(super) fn attitude_and_rate(doubts: &mut Doubts, axis: Axis) {
     let bank = (axis == Axis::Pitch && !doubts.any(&["phi"])).then(|| doubts.values("phi")).flatten();
     let level = |k: usize| bank.is_none_or(|phi| phi[k].abs() < LEVEL);
     let rate_at = |k: usize| if level(k) { turning[k] } else { f64::NAN };
-    let step = median_step(doubts.time()).unwrap_or(0.0);
+    let step = doubts.step().unwrap_or(0.0);
     let Some(Fit { slope, correlation }) = fit(doubts.time(), angle, rate_at, window(doubts.time(), step)) else {
         return;
     };

@@ -15,6 +15,13 @@ pub(super) fn span(values: &[f64]) -> Option<(f64, f64)> {
     Some((at(0.05)?, at(0.95)?))
 }
 
+/// The [`span`] of values whose [`largest_size`] is above a limit; `None` if it is not. That of most channels is not, which the
+/// largest value of all tells without any order of the values.
+pub(super) fn span_beyond(values: &[f64], limit: f64) -> Option<(f64, f64)> {
+    let largest = values.iter().map(|value| value.abs()).filter(|size| size.is_finite()).fold(0.0, f64::max);
+    (largest > limit).then(|| span(values)).flatten().filter(|span| largest_size(*span) > limit)
+}
+
 /// The absolute value that 98 % of the finite values do not exceed; `None` if there is none.
 pub(super) fn magnitude(values: &[f64]) -> Option<f64> {
     let mut sizes: Vec<f64> = values.iter().map(|value| value.abs()).filter(|value| value.is_finite()).collect();
@@ -46,12 +53,17 @@ pub(super) fn fit(time: &[f64], signal: &[f64], rate: impl Fn(usize) -> f64, wid
 pub(super) fn windows(time: &[f64], signal: &[f64], rate: impl Fn(usize) -> f64, width: f64) -> Vec<(f64, f64)> {
     let mut pairs = Vec::new();
     let mut start = 0;
+    // The rate at the end of what was integrated last: it begins the next interval, and a rate may cost a few sines.
+    let mut known: Option<(usize, f64)> = None;
     while start + 1 < time.len() {
         let mut end = start;
         let mut integral = 0.0;
         while end + 1 < time.len() && time[end] - time[start] < width - 1e-9 {
-            integral += 0.5 * (rate(end) + rate(end + 1)) * (time[end + 1] - time[end]);
+            let before = known.filter(|(at, _)| *at == end).map_or_else(|| rate(end), |(_, rate)| rate);
+            let after = rate(end + 1);
+            integral += 0.5 * (before + after) * (time[end + 1] - time[end]);
             end += 1;
+            known = Some((end, after));
         }
         // A window that is much too long lies across a gap.
         if time[end] - time[start] < 1.5 * width {

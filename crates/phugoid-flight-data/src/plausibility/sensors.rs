@@ -31,28 +31,23 @@ pub(super) fn stuck(doubts: &mut Doubts) {
     let time = doubts.time();
     let (Some(first), Some(last)) = (time.first(), time.last()) else { return };
     let least = STUCK_S.max(STUCK_PART * (last - first));
-    let ranges: Vec<(&str, &[f64], f64)> = MOVING
-        .into_iter()
-        .filter_map(|name| {
-            let values = doubts.values(name)?;
-            let (low, high) = span(values)?;
-            Some((name, values, high - low))
-        })
-        .collect();
+    let range = |values: &[f64]| span(values).map_or(0.0, |(low, high)| high - low);
+    let moving = || MOVING.into_iter().filter_map(|name| Some((name, doubts.values(name)?)));
     let mut found = Vec::new();
-    for (name, values, range) in ranges.iter().filter(|(_, _, range)| *range > 0.0) {
-        if doubts.any(&[name]) || is_coarse(values, *range) {
-            continue;
-        }
+    for (name, values) in moving().filter(|(name, _)| !doubts.any(&[name])) {
         // A stretch from the start on is a trim of a simulation.
         let stretch = runs(values).filter(|(from, _)| *from > 0).find(|(from, to)| time[*to] - time[*from] >= least);
         let Some((from, to)) = stretch else { continue };
-        let moves = |(other, values, range): &&(&str, &[f64], f64)| {
-            let part = span(&values[from..=to]).map_or(0.0, |(low, high)| high - low);
-            *other != *name && *range > 0.0 && part > OTHERS_MOVE * range
+        let whole = range(values);
+        if whole <= 0.0 || is_coarse(values, whole) {
+            continue;
+        }
+        let moves = |(other, values): &(&str, &[f64])| {
+            let whole = range(values);
+            *other != name && whole > 0.0 && range(&values[from..=to]) > OTHERS_MOVE * whole
         };
-        if let Some((other, _, _)) = ranges.iter().find(moves) {
-            found.push((*name, time[from], time[to], *other));
+        if let Some((other, _)) = moving().find(moves) {
+            found.push((name, time[from], time[to], other));
         }
     }
     for (name, from, to, other) in found {

@@ -3,7 +3,7 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::doubt::{Certainty, Doubts, write_degrees};
-use super::robust::{largest_size, median_of_finite, span};
+use super::robust::{largest_size, median_of_finite, span, span_beyond};
 use crate::channels;
 use crate::record::Quantity;
 use crate::wording::Short;
@@ -31,7 +31,7 @@ pub(super) fn angles(doubts: &mut Doubts) {
         let name = channel.name.as_str();
         let Some((unusual, impossible)) = limits(name, channel.quantity) else { continue };
         let Some(values) = doubts.values(name).filter(|_| channels::by_name(name).is_some()) else { continue };
-        let Some(span) = span(values).filter(|span| largest_size(*span) > unusual) else { continue };
+        let Some(span) = span_beyond(values, unusual) else { continue };
         let size = largest_size(span);
         let certainty = if size > impossible { Certainty::Certain } else { Certainty::Doubtful };
         let (si, degrees) = if channel.quantity == Quantity::AngularRate { ("rad/s", "deg/s") } else { ("rad", "deg") };
@@ -45,8 +45,8 @@ pub(super) fn angles(doubts: &mut Doubts) {
         doubts.add(&[name], certainty, message);
     }
     // Radians read as degrees show only in the angle of attack: no aeroplane flies with less than a third of a degree.
-    if let Some(size) = doubts.values("alpha").and_then(span).map(|span| largest_size(span).to_degrees())
-        && doubts.unit("alpha") == Some("deg")
+    if doubts.unit("alpha") == Some("deg")
+        && let Some(size) = doubts.values("alpha").and_then(span).map(|span| largest_size(span).to_degrees())
         && size > 0.0
         && size < 0.35
         && !theta_agrees(doubts)
@@ -82,7 +82,8 @@ pub(super) fn others(doubts: &mut Doubts) {
         );
         doubts.add(&["altitude"], Certainty::Doubtful, message);
     }
-    if let Some(throttle) = doubts.values("throttle").and_then(span).map(largest_size).filter(|size| *size > 1.5) {
+    if let Some(throttle) = doubts.values("throttle").and_then(|throttle| span_beyond(throttle, 1.5)).map(largest_size)
+    {
         let message = format!("reaches {}; 0 to 1 is expected. If it is percent, write throttle_pct", Short(throttle));
         doubts.add(&["throttle"], Certainty::Certain, message);
     }

@@ -1,7 +1,6 @@
 //! Checks of the time stamps.
 
 use super::doubt::{Certainty, Doubts};
-use crate::statistics::median_step;
 use crate::wording::Short;
 
 /// Units of time that recorders use, and how many seconds each is.
@@ -25,7 +24,7 @@ pub(super) fn step(doubts: &mut Doubts) {
     let time = doubts.time();
     // The rates and attitudes may have told it already.
     let told = doubts.found.iter().any(|doubt| doubt.message.contains("the time is probably"));
-    let Some(step) = median_step(time).filter(|step| *step >= SLOWEST_S && time.len() >= FEWEST && !told) else {
+    let Some(step) = doubts.step().filter(|step| *step >= SLOWEST_S && time.len() >= FEWEST && !told) else {
         return;
     };
     let Some((unit, _)) = unit_of_step(step) else { return };

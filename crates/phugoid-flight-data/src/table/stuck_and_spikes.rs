@@ -98,25 +98,46 @@ fn frozen(channel: &Channel, time: &[f64], sample_time: f64) -> Vec<(usize, usiz
 /// The rows with a spike: a value above or below both neighbours, and further from both than six times the upper
 /// quartile of all steps of the channel (ten standard deviations of white noise) and than 5 % of its range.
 fn spikes(values: &[f64]) -> Vec<usize> {
-    let present: Vec<(usize, f64)> = values.iter().copied().enumerate().filter(|(_, value)| !value.is_nan()).collect();
-    if present.len() < 20 {
+    let present = || values.iter().copied().filter(|value| !value.is_nan());
+    let count = present().count();
+    if count < 20 {
         return Vec::new();
     }
-    let mut steps: Vec<f64> = present.windows(2).map(|pair| (pair[1].1 - pair[0].1).abs()).collect();
-    steps.retain(|step| *step > 0.0);
-    let mut sorted: Vec<f64> = present.iter().map(|(_, value)| *value).collect();
+    let steps =
+        || present().zip(present().skip(1)).map(|(before, after)| (after - before).abs()).filter(|step| *step > 0.0);
+    let largest = points(values).map(|(_, height)| height).fold(0.0, f64::max);
+    // Most channels have none. How many steps are a sixth of the highest point or more tells it without any order of them:
+    // if so many are, the upper quartile is one of them, and the bound is not below the highest point.
+    let (all, large) =
+        steps().fold((0_usize, 0), |(all, large), step| (all + 1, large + usize::from(6.0 * step >= largest)));
+    let quartile = (0.75 * all.saturating_sub(1) as f64).round() as usize;
+    if large >= all.saturating_sub(quartile) {
+        return Vec::new();
+    }
+    let mut sorted: Vec<f64> = steps().collect();
+    let upper_quarter = quantile(&mut sorted, 0.75, Rank::Nearest).unwrap_or(f64::NAN);
+    if largest <= 6.0 * upper_quarter {
+        return Vec::new();
+    }
+    sorted.clear();
+    sorted.extend(present());
     let mut range = |fraction| quantile(&mut sorted, fraction, Rank::Nearest).unwrap_or(f64::NAN);
     let range = range(0.95) - range(0.05);
-    let upper_quarter = quantile(&mut steps, 0.75, Rank::Nearest).unwrap_or(f64::NAN);
     let bound = (6.0 * upper_quarter).max(0.05 * range);
-    present
-        .windows(3)
-        .filter(|three| {
-            let (before, after) = (three[1].1 - three[0].1, three[1].1 - three[2].1);
-            before * after > 0.0 && before.abs().min(after.abs()) > bound
-        })
-        .map(|three| three[1].0)
-        .collect()
+    points(values).filter(|(_, height)| *height > bound).map(|(row, _)| row).collect()
+}
+
+/// The rows whose value is above or below both neighbours, and by how much at the least. Missing values are passed over.
+fn points(values: &[f64]) -> impl Iterator<Item = (usize, f64)> + '_ {
+    let mut present = values.iter().copied().enumerate().filter(|(_, value)| !value.is_nan());
+    let first = present.next();
+    let mut last = first.zip(present.next());
+    present.filter_map(move |(row, after)| {
+        let ((_, before), (at, value)) = last?;
+        last = Some(((at, value), (row, after)));
+        let (from, to) = (value - before, value - after);
+        (from * to > 0.0).then(|| (at, from.abs().min(to.abs())))
+    })
 }
 
 #[cfg(test)]

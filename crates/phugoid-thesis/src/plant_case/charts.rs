@@ -122,12 +122,12 @@ fn states(case: &PlantCase, run: &PlantRun, judged: &[Judged], instants: &Instan
     }];
     for (i, name) in case.plant.states().iter().enumerate() {
         let mut curves = Vec::new();
-        if run.noise_std > 0.0 {
+        if let Some(output) = case.plant.measured(i).filter(|_| run.noise_std > 0.0) {
             curves.push(Curve {
                 label: "measured".into(),
                 meaning: Meaning::Measured,
                 x: instants.time.clone(),
-                shape: Shape::Points(instants.of(&run.outputs[i])),
+                shape: Shape::Points(instants.of(&run.outputs[output])),
             });
         }
         let (lowest, highest) =

@@ -121,10 +121,11 @@ pub(super) fn condition(case: &PlantCase, run: &PlantRun, method: &Method, resul
         }
         Method::Extended { reaching_time_s, .. } => {
             let [largest, smallest] = result.information.last().copied().unwrap_or([f64::NAN; 2]);
+            let unknowns = case.unknowns().count();
             format!(
-                "rank {} of 2 at the end: the accumulated equations have eigenvalues of {largest:.1e} and {smallest:.1e}; from \
+                "rank {} of {unknowns} at the end: the accumulated equations have eigenvalues of {largest:.1e} and {smallest:.1e}; from \
                  bound to bound in {reaching_time_s} s",
-                if smallest > 1e-12 * largest { 2 } else { 1 }
+                if smallest > 1e-12 * largest { unknowns } else { 1 }
             )
         }
     }
@@ -184,12 +185,11 @@ fn flagship(case: &PlantCase, run: &PlantRun, noise_std: &[f64], result: &Method
             Some(format!("{name} {:.1e}", error / p.truth.abs()))
         })
         .collect();
-    format!(
-        "the information in the record decides: told {origin} of {}; it claims as one-sigma error at the published time, as a \
-         part of the truth: {}",
-        told.join(" and "),
-        claims.join(", ")
-    )
+    let told = format!("the information in the record decides: told {origin} of {}", told.join(" and "));
+    if claims.is_empty() {
+        return told;
+    }
+    format!("{told}; it claims as one-sigma error at the published time, as a part of the truth: {}", claims.join(", "))
 }
 
 #[cfg(test)]

@@ -169,8 +169,8 @@ impl PlantCase {
     }
 
     /// The unknown parameters with their names, in the plant's order.
-    pub fn unknowns(&self) -> impl Iterator<Item = (&'static str, Parameter)> + '_ {
-        self.plant.parameters().iter().filter_map(|name| Some((*name, *self.parameters.get(*name)?)))
+    pub fn unknowns(&self) -> impl Iterator<Item = (&str, Parameter)> {
+        self.plant.parameters().into_iter().filter_map(|name| Some((name, *self.parameters.get(name)?)))
     }
 
     /// Number of samples, both ends included.
@@ -190,13 +190,14 @@ impl PlantCase {
         )?;
         let names = self.plant.parameters();
         for name in self.parameters.keys().chain(self.published.converged_after.keys()) {
-            let hint = nearest(name, names.iter().copied()).unwrap_or(names[0]);
+            let near = nearest(name, names.iter().copied());
+            let hint = near.map_or_else(|| names.join(" and "), str::to_owned);
             range(
                 names.contains(&name.as_str()),
                 format!("the plant has no parameter `{name}`: did you mean `{hint}`?"),
             )?;
         }
-        for name in names {
+        for name in &names {
             let Some(p) = self.parameters.get(*name) else {
                 return Err(format!("`[parameters.{name}]` is missing: the plant needs {}", names.join(" and ")));
             };

@@ -106,9 +106,16 @@ impl Surface {
 /// [`StudyError::Unsuitable`]: the method refuses its settings.
 pub fn run_method(case: &PlantCase, run: &PlantRun, method: &Method) -> Result<MethodRun, StudyError> {
     let runner = Runner { case, run, method };
-    match (method, case.plant) {
+    if let (Method::OneParameter { .. } | Method::TwoParameter { .. }, Some(why)) = (method, case.plant.without_laws())
+    {
+        return Err(runner.refused(&why));
+    }
+    match (method, &case.plant) {
         (Method::TwoParameter { .. }, Plant::SecondOrder {}) => runner.two_parameter(SecondOrder),
         (Method::TwoParameter { .. }, Plant::SecondOrderNonlinear {}) => runner.two_parameter(SecondOrderNonlinear),
+        (Method::TwoParameter { .. }, Plant::Own(plant)) if plant.parameters().len() == 2 => {
+            runner.two_parameter(plant.model())
+        }
         _ => case.plant.visit(runner),
     }
 }
@@ -131,6 +138,8 @@ pub(crate) fn flagship_settings<const N: usize, const R: usize>(
     // The record begins with the input: its first 0.2 s are not at rest, and are what is to be judged.
     settings.start_window_s = 0.0;
     settings.start_trial_s = 0.0;
+    // States that are not measured start where the file says, which is known.
+    settings.initial_state.iter_mut().zip(case.plant.start()).for_each(|(slot, start)| *slot = start);
     Ok(settings)
 }
 
@@ -147,9 +156,9 @@ impl Runner<'_> {
     }
 
     /// Runs the two-parameter law, which exists for the plants of second order only.
-    fn two_parameter<M>(self, model: M) -> Result<MethodRun, StudyError>
+    fn two_parameter<M, const I: usize>(self, model: M) -> Result<MethodRun, StudyError>
     where
-        M: Model<2, 3, ROOM, Input = [f64; 1]>,
+        M: Model<2, 3, ROOM, Input = [f64; I]>,
     {
         let Method::TwoParameter { form, evaluation, sign, lambda, eta } = self.method else {
             return Err(self.refused(&"these are not the settings of the two-parameter law"));
@@ -168,7 +177,7 @@ impl Runner<'_> {
         let mut law = TwoParameterLaw::new(model, settings).map_err(|error| self.refused(&error))?;
         let mut record = MethodRun::new(ROOM, 2, self.run.time_s.len());
         record.surfaces = vec![Surface::default(); 2];
-        for sample in self.run.samples::<1, 3>() {
+        for sample in self.run.samples::<I, 3>() {
             let estimate = law.update(&sample);
             record.push(&estimate.parameters, law.state());
             let d = law.diagnostics();
@@ -212,42 +221,33 @@ impl Visit for Runner<'_> {
                 let [p] = unknowns[..] else {
                     return Err(refused(&"the one-parameter law carries one parameter, this plant has two"));
                 };
-                let x = SurfaceChannel { state: 0, output: 0, scale: 1.0, derivative: SurfaceDerivative::Output(N) };
-                // "Adds the y terms to numerator and denominator": y is the other state, its rate contains no unknown.
-                let y =
-                    SurfaceChannel { state: N - 1, output: N - 1, scale: 1.0, derivative: SurfaceDerivative::Known };
+                // "Adds the y terms to numerator and denominator": the rate of every other state contains no unknown.
+                let carrier = case.plant.carrier();
+                let channels: [SurfaceChannel; N] = std::array::from_fn(|state| {
+                    let derivative =
+                        if state == carrier { SurfaceDerivative::Output(N) } else { SurfaceDerivative::Known };
+                    SurfaceChannel { state, output: state, scale: 1.0, derivative }
+                });
                 let mut start = [0.0; ROOM];
                 start[0] = p.start;
-                macro_rules! law {
-                    ($channels:expr) => {{
-                        let mut settings = ThesisSettings::new(0, start, [p.lower, p.upper], $channels);
-                        settings.form = *form;
-                        settings.evaluation = *evaluation;
-                        settings.sign = *sign;
-                        settings.lambda = *lambda;
-                        settings.maximum_lambda_h = f64::INFINITY;
-                        settings.eta = *eta;
-                        settings.margin = margin(*form);
-                        settings.maximum_step_s = MAXIMUM_STEP_S;
-                        ThesisLaw::<_, N, R, ROOM, _>::new(*model, settings).map_err(|error| refused(&error))?
-                    }};
-                }
+                let mut settings = ThesisSettings::new(0, start, [p.lower, p.upper], channels);
+                settings.form = *form;
+                settings.evaluation = *evaluation;
+                settings.sign = *sign;
+                settings.lambda = *lambda;
+                settings.maximum_lambda_h = f64::INFINITY;
+                settings.eta = *eta;
+                settings.margin = margin(*form);
+                settings.maximum_step_s = MAXIMUM_STEP_S;
+                let law = ThesisLaw::<_, N, R, ROOM, N>::new(*model, settings);
+                let mut law = law.map_err(|error| refused(&error))?;
                 record.surfaces = vec![Surface::default()];
-                macro_rules! follow {
-                    ($law:expr) => {{
-                        let mut law = $law;
-                        for sample in run.samples::<I, R>() {
-                            let estimate = law.update(&sample);
-                            record.push(&estimate.parameters, law.state());
-                            let d = law.diagnostics();
-                            record.surfaces[0].push(d.surface, d.reaching, d.gain, d.energy);
-                            record.unsolved += usize::from(estimate.status.phase == Phase::Rejected);
-                        }
-                    }};
-                }
-                match case.plant {
-                    Plant::FirstOrderNonlinear { .. } => follow!(law!([x, y])),
-                    _ => follow!(law!([x])),
+                for sample in run.samples::<I, R>() {
+                    let estimate = law.update(&sample);
+                    record.push(&estimate.parameters, law.state());
+                    let d = law.diagnostics();
+                    record.surfaces[0].push(d.surface, d.reaching, d.gain, d.energy);
+                    record.unsolved += usize::from(estimate.status.phase == Phase::Rejected);
                 }
             }
             Method::TwoParameter { .. } => {

@@ -34,8 +34,9 @@ impl PlantCase {
         let requirements = self.requirements(&outcomes);
         let outside: String =
             self.unknowns().filter_map(|(name, p)| truth_outside(name, p.truth, [p.lower, p.upper])).collect();
+        let without_laws = self.plant.without_laws().map(|why| why + " ").unwrap_or_default();
         Ok(Reproduction {
-            difference: outside + &self.published.difference,
+            difference: outside + &without_laws + &self.published.difference,
             outcomes,
             requirements,
             charts: charts(self, &run, &judged),
@@ -50,7 +51,8 @@ impl PlantCase {
         let mut methods = vec![NamedMethod { name: "flagship", role: Role::Flagship, settings: self.flagship(run) }];
         let unknowns: Vec<_> = self.unknowns().collect();
         let signs_differ = slopes(self, run).iter().flatten().any(|z| *z > 0.0);
-        if let [(_, p)] = unknowns[..] {
+        let has_laws = self.plant.without_laws().is_none();
+        if let ([(_, p)], true) = (&unknowns[..], has_laws) {
             for (name, role, form, evaluation, sign) in [
                 ("printed law, one-sample delay", Role::Published, Printed, Delayed, AsPrinted),
                 ("printed law, implicit", Role::Published, Printed, Implicit, AsPrinted),
@@ -66,7 +68,7 @@ impl PlantCase {
                 methods.push(NamedMethod { name, role, settings });
             }
         }
-        if let [(_, first), (_, second)] = unknowns[..] {
+        if let ([(_, first), (_, second)], true) = (&unknowns[..], has_laws) {
             let (lambda, eta) = ([first.lambda, second.lambda], self.estimator.eta);
             for (name, role, form, evaluation, sign) in [
                 ("printed law, one-sample delay", Role::Published, Printed, Delayed, AsPrinted),
@@ -79,6 +81,8 @@ impl PlantCase {
                 let settings = Method::TwoParameter { form, evaluation, sign, lambda, eta };
                 methods.push(NamedMethod { name, role, settings });
             }
+        }
+        if self.plant.measures_all() && (unknowns.len() == 2 || !has_laws) {
             methods.push(NamedMethod { name: "extended law", role: Role::Mended, settings: self.extended(run) });
         }
         methods
@@ -86,10 +90,9 @@ impl PlantCase {
 
     /// The flagship, told the true noise, or without noise a small fraction of each signal.
     pub fn flagship(&self, run: &PlantRun) -> Method {
-        let noise_std = run
-            .states
-            .iter()
-            .map(|x| if run.noise_std > 0.0 { run.noise_std } else { self.estimator.assumed_noise * rms(x) })
+        let outputs = run.outputs.iter().take(self.plant.outputs());
+        let noise_std = outputs
+            .map(|y| if run.noise_std > 0.0 { run.noise_std } else { self.estimator.assumed_noise * rms(y) })
             .collect();
         Method::Flagship { noise_std }
     }

@@ -7,7 +7,7 @@ use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64Mcg;
 
 use super::format::PlantCase;
-use super::plant::{ROOM, Visit};
+use super::plant::{Plant, ROOM, Visit};
 use phugoid_evaluation::accuracy::StudyError;
 
 /// Longest integration step of plants and estimated models, s: fourth order at the fastest plant (rate 25 1/s) leaves
@@ -23,9 +23,10 @@ pub struct PlantRun {
     pub inputs: Vec<Vec<f64>>,
     /// True states without noise, indexed `[state][sample]`.
     pub states: Vec<Vec<f64>>,
-    /// What is measured, `[output][sample]`: all states, then the derivative of the last state that carries an unknown.
+    /// What is measured, `[output][sample]`: all states (of a plant of one's own its outputs, NaN where there are fewer than
+    /// states), then the derivative of the last state that carries an unknown.
     pub outputs: Vec<Vec<f64>>,
-    /// Standard deviation of the noise in each state's measurement; the derivative is measured without noise, as it stands
+    /// Standard deviation of the noise in each output but the derivative; the derivative is measured without noise, as it stands
     /// before the integrator in the thesis's diagram (reconstructed).
     pub noise_std: f64,
 }
@@ -41,10 +42,10 @@ impl PlantRun {
     }
 }
 
-/// Simulates a case from rest; the noise is drawn from the case's seed.
+/// Simulates a case from its start, at rest unless the plant says otherwise; the noise is drawn from the case's seed.
 ///
 /// # Errors
-/// [`StudyError::Unsuitable`]: the plant escapes before the end of the record.
+/// [`StudyError::Unsuitable`]: the plant escapes before the end of the record, or its rates are no numbers.
 pub fn simulate(case: &PlantCase) -> Result<PlantRun, StudyError> {
     let exact = case.plant.visit(Exact { case })?;
     Ok(with_noise(exact, case, case.seed))
@@ -56,9 +57,9 @@ pub(crate) fn with_noise(mut exact: PlantRun, case: &PlantCase, seed: u64) -> Pl
     exact.noise_std = (noise.power / case.sample_time.si()).sqrt();
     let mut random = Pcg64Mcg::seed_from_u64(seed);
     for k in 0..exact.time_s.len() {
-        for i in 0..exact.states.len() {
+        for i in 0..case.plant.outputs() {
             let white: f64 = StandardNormal.sample(&mut random);
-            exact.outputs[i][k] = exact.states[i][k] + exact.noise_std * white;
+            exact.outputs[i][k] += exact.noise_std * white;
         }
     }
     exact
@@ -93,6 +94,7 @@ impl Visit for Exact<'_> {
             noise_std: 0.0,
         };
         let mut x = [0.0; N];
+        x.iter_mut().zip(case.plant.start()).for_each(|(slot, start)| *slot = start);
         let mut out = LinearizedOutputs::<N, R, ROOM>::ZERO;
         for k in 0..count {
             let t = k as f64 * case.sample_time.si();
@@ -102,7 +104,18 @@ impl Visit for Exact<'_> {
                 x = integrate(model, &x, &truth, &held, t - before, MAXIMUM_STEP_S);
             }
             model.linearized_outputs(&x, &truth, &input(t), &mut out);
-            if !out.outputs.iter().all(|y| y.is_finite() && y.abs() < 1e9) {
+            // What lies between the outputs and the rate is not measured.
+            let measured = || out.outputs.iter().take(case.plant.outputs()).chain(out.outputs.last());
+            let all = || measured().chain(&x);
+            if matches!(case.plant, Plant::Own(_)) && all().any(|value| value.is_nan()) {
+                return Err(StudyError::Unsuitable(format!(
+                    "{}: at {t:.3} s a rate or output of the plant is no number: a formula leaves the range in which it has a value \
+                     (logarithm, root, power, division), or the plant escapes: end the record (`duration`) before, or make the input \
+                     smaller",
+                    case.title
+                )));
+            }
+            if !all().all(|y| y.is_finite() && y.abs() < 1e9) {
                 return Err(StudyError::Unsuitable(format!(
                     "{}: the plant escapes at {t:.3} s: end the record (`duration`) before, or make the input smaller",
                     case.title

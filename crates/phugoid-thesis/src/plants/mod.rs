@@ -1,4 +1,5 @@
-//! The four proof-of-concept plants of the thesis, as models: two of first and two of second order, linear and not.
+//! The four proof-of-concept plants of the thesis, as models: two of first and two of second order, linear and not; and plants of
+//! a user's own, given by formulas ([`OwnPlant`]).
 //!
 //! Times are seconds; states, inputs and parameters are pure numbers. Every plant measures all its states and, as its last
 //! output, the derivative that the printed sliding-mode laws need. An estimator that needs none is given NaN there.
@@ -15,10 +16,12 @@
 mod first_order;
 mod first_order_nonlinear;
 mod measure;
+mod own;
 mod second_order;
 mod second_order_nonlinear;
 
 pub use first_order::FirstOrder;
 pub use first_order_nonlinear::FirstOrderNonlinear;
+pub use own::{MOST_PARAMETERS, MOST_STATES, OwnPlant};
 pub use second_order::SecondOrder;
 pub use second_order_nonlinear::SecondOrderNonlinear;

@@ -24,11 +24,6 @@ pub(super) fn run(case: &PlantCase, run: &PlantRun, law: Law) -> Option<Vec<Vec<
     case.plant.visit(Runner { case, run, law })
 }
 
-/// The state whose rate contains the unknown parameters: the first for one of them, the last for two.
-fn channel_state(states: usize, unknowns: usize) -> usize {
-    if unknowns == 1 { 0 } else { states - 1 }
-}
-
 fn unknowns(case: &PlantCase) -> Vec<Parameter> {
     case.unknowns().map(|(_, parameter)| parameter).collect()
 }
@@ -52,7 +47,7 @@ impl Visit for Runner<'_> {
     {
         let told = unknowns(self.case);
         let of = |get: fn(&Parameter) -> f64| -> [f64; ROOM] { std::array::from_fn(|j| told.get(j).map_or(0.0, get)) };
-        let state = channel_state(N, told.len());
+        let state = self.case.plant.carrier();
         // The output after the states is the derivative of that state.
         let derivative = SurfaceDerivative::Output(N);
         let channels = [SurfaceChannel { state, output: state, scale: 1.0, derivative }];
@@ -134,7 +129,7 @@ impl Visit for Look<'_> {
     {
         let told = unknowns(self.case);
         let theta: [f64; ROOM] = std::array::from_fn(|j| told.get(j).map_or(0.0, |p| p.start));
-        let state = channel_state(N, told.len());
+        let state = self.case.plant.carrier();
         let mut points = Vec::with_capacity(self.run.time_s.len());
         let mut out = LinearizedRates::<N, ROOM>::ZERO;
         for k in 0..self.run.time_s.len() {

@@ -14,6 +14,7 @@ mod laws;
 mod model_reference;
 mod model_reference_law;
 mod one_parameter_law;
+mod own_plant;
 mod plant_cases;
 mod plants_themselves;
 mod tune;

@@ -157,7 +157,7 @@ fn information(motion: &PlantRun, printed: &[f64], extended: &[f64]) -> Chart {
 
 fn estimates(case: &PlantCase, motion: &PlantRun, runs: &[(&str, Meaning, MethodRun)]) -> Chart {
     let record = Record::new(&motion.time_s);
-    let panel = |(j, (name, p)): (usize, (&'static str, Parameter))| {
+    let panel = |(j, (name, p)): (usize, (&str, Parameter))| {
         let drawn = runs.iter().map(|(label, meaning, run)| record.line(*label, *meaning, &run.estimates[j])).collect();
         let margin = p.upper - p.lower;
         let axis = Axis::new(name, "–").with_range((p.lower - margin).min(0.0), p.upper + margin);
