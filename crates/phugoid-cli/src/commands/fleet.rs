@@ -39,6 +39,7 @@ impl From<RunError> for Failure {
     fn from(error: RunError) -> Self {
         match error {
             RunError::Store(error) => error.into(),
+            RunError::Campaign(error) => Self::input(error),
             RunError::Threads(_) => Self::impossible(error),
         }
     }
