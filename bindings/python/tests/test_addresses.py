@@ -1,5 +1,6 @@
 """Logs and stores behind addresses: the same rows as on a disk. The object store is moto's server in this process."""
 
+import urllib.request
 from pathlib import Path
 
 import phugoid
@@ -38,6 +39,8 @@ def bucket(monkeypatch):
     fsspec.filesystem("s3").mkdir("flights")
     yield "s3://flights"
     fsspec.get_filesystem_class("s3").clear_instance_cache()
+    # The buckets of all servers of a process are the same.
+    urllib.request.urlopen(urllib.request.Request(f"http://{host}:{port}/moto-api/reset", method="POST")).close()
     server.stop()
 
 

@@ -12,6 +12,7 @@ use serde::Serialize;
 
 use super::fleet::Bar;
 use crate::arguments;
+use crate::arguments::fleet::Engine;
 use crate::failure::Failure;
 use crate::output::{Table, deliver, significant};
 
@@ -27,12 +28,29 @@ pub(crate) fn run(arguments: &arguments::Campaign) -> Result<(), Failure> {
     let campaign = Campaign::open(&arguments.file).map_err(Failure::input)?;
     let layout = Layout::new(&campaign).map_err(Failure::input)?;
     let blocks = layout.blocks().map_err(Failure::input)?;
-    let store = Store::create(&arguments.store)?;
-    let share = Share { workers: arguments.workers.map_or(0, usize::from), shard: arguments.shard };
-    let bar = Bar::new("flights");
-    let summary =
-        run_campaign(&layout, &blocks, &store, share, &|progress| bar.set(progress), &AtomicBool::new(false))?;
-    drop(bar);
+    super::fleet::refuse_address(&arguments.store)?;
+    let (store, summary) = match &arguments.engine {
+        Engine::Local => {
+            let store = Store::create(&arguments.store)?;
+            let share = Share { workers: arguments.workers.map_or(0, usize::from), shard: arguments.shard };
+            let bar = Bar::new("flights");
+            let stop = AtomicBool::new(false);
+            let summary = run_campaign(&layout, &blocks, &store, share, &|progress| bar.set(progress), &stop)?;
+            (store, summary)
+        }
+        Engine::Ray(address) => {
+            let request = serde_json::json!({
+                "file": arguments.file,
+                "store": arguments.store,
+                "engine": "ray",
+                "workers": arguments.workers.unwrap_or(0),
+                "shard": arguments.shard.to_string(),
+                "address": address,
+            });
+            let summary = super::on_ray::run("campaign", request)?;
+            (Store::open(&arguments.store)?, summary)
+        }
+    };
     // The store may hold other campaigns: only what this one asks for is scored, by whichever shard it was flown.
     let mut scoring = Scoring::default();
     for block in &blocks {

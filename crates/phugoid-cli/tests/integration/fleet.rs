@@ -134,6 +134,7 @@ fn mistakes_are_told_before_anything_is_estimated() {
     let run = |arguments: &[&str]| phugoid(&folder.0, &[&["fleet"], arguments].concat());
     assert!(run(&["nowhere", "--model", "hfb320", "--store", "s"]).fails(3).contains("`nowhere`"));
     assert!(run(&["s3://b/x", "--model", "hfb320", "--store", "s"]).fails(3).contains("object store"));
+    assert!(run(&["logs", "--model", "hfb320", "--store", "s3://b/s"]).fails(3).contains("--engine ray"));
     assert!(run(&["logs", "--model", "hfb", "--store", "s"]).fails(3).contains("hfb320"));
     assert!(run(&["logs", "--model", "hfb320", "--store", "logs"]).fails(4).contains("no store"));
     let run = Command::new(env!("CARGO_BIN_EXE_phugoid"))
