@@ -383,7 +383,7 @@ qdot = { noise = "0.32 deg/s^2" }
         let folder = Folder::new("grid");
         let grid = CAMPAIGN
             .replace("design = \"sobol\"\npoints = 6\nblock = 8", "block = 4")
-            .replace("to = 0.2\n", "to = 0.2\nsteps = 3\n")
+            .replace("from = 0.02\nto = 0.2\n", "from = 0.25\nto = 0.75\nsteps = 3\n")
             .replace("to = 258.0\n", "to = 258.0\nsteps = 2\n");
         let layout = Layout::new(&campaign(&grid, &folder.0)).unwrap();
         assert_eq!(layout.units(), 3 * 2 * 4);
@@ -391,9 +391,9 @@ qdot = { noise = "0.32 deg/s^2" }
             serde_json::from_str(&layout.unit(number, &mut NamedFiles::default()).unwrap().factors).unwrap()
         };
         // The values of the last factor follow one another.
-        let expected = json!({"sensors.alpha.noise": 0.02, "parameters.Cm_q.prior_std": 258.0});
+        let expected = json!({"sensors.alpha.noise": 0.25, "parameters.Cm_q.prior_std": 258.0});
         assert_eq!((factors(4), factors(7)), (expected.clone(), expected));
-        assert_eq!(factors(8), json!({"sensors.alpha.noise": 0.11, "parameters.Cm_q.prior_std": 25.8}));
+        assert_eq!(factors(8), json!({"sensors.alpha.noise": 0.5, "parameters.Cm_q.prior_std": 25.8}));
         assert_eq!(layout.units(), layout.blocks().unwrap().iter().map(|block| block.units.len()).sum::<usize>());
     }
 
