@@ -59,12 +59,13 @@ class Ray:
             import ray
         except ImportError as error:
             raise PhugoidError('engine="ray" needs Ray: pip install "phugoid[fleet]"') from error
-        self._ray = ray
+        # Ray has types for a part of itself.
+        self._ray: Any = ray
         if not ray.is_initialized():
             # Without an address it is this machine: Ray otherwise joins what it finds running.
             how = {"address": address} if address else {"address": "local", "num_cpus": workers or None}
             ray.init(log_to_driver=False, include_dashboard=None if address else False, **how)
-        self.workers = workers or int(ray.cluster_resources().get("CPU", 1))
+        self.workers = workers or int(self._ray.cluster_resources().get("CPU", 1))
 
     def each(
         self, function: Callable[[Any, _Piece], _Result], shared: Any, pieces: Sequence[_Piece]

@@ -209,13 +209,13 @@ def _campaign_task(file: str) -> Any:
 
 def _estimate(recipe: _Recipe, some: list[_Piece]) -> list[Optional[tuple[int, bool]]]:
     """Does some logs: of each `None` where the store has it, else the number of rows and whether it was refused."""
-    model_name, model_text, place, *options = recipe
+    model_name, model_text, place, method, segments, table = recipe
     outcomes: list[Optional[tuple[int, bool]]] = []
     with _beside(place) as here:
         if here == place:
             task = _fleet_task(recipe)
         else:
-            task = _phugoid.FleetTask(model_name, model_text, here, *options, begin=False)
+            task = _phugoid.FleetTask(model_name, model_text, here, method, segments, table, begin=False)
         for log, is_found, _ in some:
             if is_found:
                 task.note(log)
