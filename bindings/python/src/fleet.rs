@@ -102,9 +102,7 @@ impl FleetTask {
     fn note(&self, log: Log) -> PyResult<()> {
         let log = hashed(log);
         match &log.content {
-            Ok((hash, bytes)) => {
-                self.store.write_log(&self.flights.log(&log.name, hash, *bytes)).map_err(raise)
-            }
+            Ok((hash, bytes)) => self.store.write_log(&self.flights.log(&log.name, hash, *bytes)).map_err(raise),
             Err(_) => Ok(()),
         }
     }
