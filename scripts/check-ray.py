@@ -83,24 +83,28 @@ def workers_killed(logs: Path, store: Path, kills: int, chance: random.Random) -
             killed += kill(chance.choice(at_work))
     if driver.returncode != 0:
         sys.exit(f"the program ended with {driver.returncode} after {killed} workers were killed")
+    if killed == 0:
+        sys.exit("no worker was at work when it was to be killed: take more logs")
     return killed
 
 
-def program_killed(logs: Path, store: Path, kills: int, lasts: float, chance: random.Random) -> int:
-    """Kills the program and begins it again, until nothing is left to do; how often it was killed."""
-    for killed in range(kills + 1):
+def program_killed(logs: Path, store: Path, kills: int, files: int, chance: random.Random) -> int:
+    """Kills the program when its store has reached a random size between what it has and all that it will have, and begins it
+    again, until nothing is left to do; how often it was killed."""
+    killed = 0
+    while True:
         driver = start(logs, store)
-        try:
-            # After so many kills it is left alone.
-            driver.wait(chance.uniform(0.3, 1.0) * lasts if killed < kills else None)
-        except subprocess.TimeoutExpired:
-            kill(driver.pid)
+        # After so many kills it is left alone.
+        size = chance.uniform(len(content(store)), files) if killed < kills else float("inf")
+        while driver.poll() is None and len(content(store)) < size:
+            time.sleep(0.05)
+        if driver.poll() is None:
+            killed += kill(driver.pid)
             driver.wait()
-            continue
-        if driver.returncode != 0:
+        elif driver.returncode != 0:
             sys.exit(f"the program ended with {driver.returncode} after it had been killed {killed} times")
-        return killed
-    return kills
+        else:
+            return killed
 
 
 def write_logs(folder: Path, count: int, seconds: int) -> None:
@@ -142,7 +146,9 @@ def main() -> None:
     same(folder / "whole", expected, f"a program of its own, {lasts:.1f} s with the start of Ray")
     killed = workers_killed(logs, folder / "workers", kills, chance)
     same(folder / "workers", expected, f"{killed} workers killed at work")
-    killed = program_killed(logs, folder / "program", kills, lasts, chance)
+    killed = program_killed(logs, folder / "program", kills, len(expected), chance)
+    if killed == 0:
+        sys.exit("the program was never killed: take more logs")
     same(folder / "program", expected, f"the program killed {killed} times and begun again")
 
     # In turns, so that what else the machine does meets both.
