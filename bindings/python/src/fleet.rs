@@ -3,6 +3,9 @@
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
+use phugoid_fleet::campaign;
+use phugoid_fleet::campaign::file::Campaign;
+use phugoid_fleet::campaign::layout::{Block, Layout};
 use phugoid_fleet::logs::FlightTable;
 use phugoid_fleet::run::{self, Hashed, Outcome, Share, Summary};
 use phugoid_fleet::shard::Shard;
@@ -84,6 +87,26 @@ impl FleetTask {
         Ok((work, serde_json::to_string(&summary).map_err(raise)?))
     }
 
+    /// Where a log stands in a store, as names of files below its folder: its rows, the note that it is tried again, and the same two
+    /// of the row that says that the log cannot be read.
+    fn places(&self, log: Log) -> PyResult<[String; 4]> {
+        let log = hashed(log);
+        let unread = self.task.key_of_unreadable(&log.name);
+        let key = log.content.as_ref().map_or_else(|_| unread.clone(), |(hash, _)| self.task.key(hash));
+        let rows = |key: &str| text(Store::place("log", self.task.model_sha256(), key));
+        let note = |key: &str| text(Store::place_of_note(key));
+        Ok([rows(&key)?, note(&key)?, rows(&unread)?, note(&unread)?])
+    }
+
+    /// Keeps what is known of a log that another store has rows of.
+    fn note(&self, log: Log) -> PyResult<()> {
+        let log = hashed(log);
+        match &log.content {
+            Ok((hash, bytes)) => self.store.write_log(&self.flights.log(&log.name, hash, *bytes)).map_err(raise),
+            Err(_) => Ok(()),
+        }
+    }
+
     /// Does one log, whose content is in `file`: `None` where the store has it, else the number of rows and whether it was
     /// refused.
     fn one(&self, py: Python<'_>, log: Log, file: PathBuf) -> PyResult<Option<(usize, bool)>> {
@@ -120,6 +143,63 @@ impl FleetTask {
             .map_err(raise)?;
         serde_json::to_string(&summary).map_err(raise)
     }
+}
+
+/// A campaign, of which any process can do any block.
+#[pyclass(frozen)]
+pub(crate) struct CampaignTask {
+    campaign: Campaign,
+    blocks: Vec<Block>,
+}
+
+#[pymethods]
+impl CampaignTask {
+    /// Reads the file of a campaign and all that it names.
+    #[new]
+    fn new(py: Python<'_>, file: PathBuf) -> PyResult<Self> {
+        py.detach(|| {
+            let campaign = Campaign::open(&file).map_err(raise)?;
+            let blocks = Layout::new(&campaign).and_then(|layout| layout.blocks()).map_err(raise)?;
+            Ok(Self { campaign, blocks })
+        })
+    }
+
+    /// The blocks that a shard has to do, as their numbers with the estimations in each, and a summary (JSON) with what is left out.
+    fn plan(&self, shard: &str) -> PyResult<(Vec<(usize, usize)>, String)> {
+        let shard: Shard = shard.parse().map_err(raise)?;
+        let (work, summary) = campaign::run::plan(&self.blocks, shard);
+        let work = work.into_iter().map(|(number, block)| (number, block.units.len())).collect();
+        Ok((work, serde_json::to_string(&summary).map_err(raise)?))
+    }
+
+    /// Where the rows of a block stand in a store, as the name of a file below its folder.
+    fn place(&self, number: usize) -> PyResult<String> {
+        let block = self.block(number)?;
+        text(Store::place("campaign", &block.model_sha256, &block.key))
+    }
+
+    /// Does one block into a store, which has been begun, unless it is there: a summary (JSON).
+    fn one(&self, py: Python<'_>, number: usize, store: PathBuf) -> PyResult<String> {
+        let block = self.block(number)?;
+        let store = Store::open(&store).map_err(raise)?;
+        let summary = py.detach(|| {
+            let layout = Layout::new(&self.campaign).map_err(raise)?;
+            campaign::run::one(&layout, block, &store).map_err(raise)
+        })?;
+        serde_json::to_string(&summary).map_err(raise)
+    }
+}
+
+impl CampaignTask {
+    fn block(&self, number: usize) -> PyResult<&Block> {
+        self.blocks.get(number).ok_or_else(|| raise(format!("the campaign has no block {number}")))
+    }
+}
+
+/// Begins a store in a new folder, or opens the one that is there.
+#[pyfunction]
+pub(crate) fn fleet_store(folder: PathBuf) -> PyResult<()> {
+    Store::create(&folder).map(drop).map_err(raise)
 }
 
 /// The files that words mean, in the order of their paths.

@@ -36,10 +36,12 @@ fn _phugoid(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(studies::names, module)?)?;
     #[cfg(feature = "fleet")]
     {
+        module.add_class::<fleet::CampaignTask>()?;
         module.add_class::<fleet::FleetTask>()?;
         module.add_function(wrap_pyfunction!(fleet::fleet_files, module)?)?;
         module.add_function(wrap_pyfunction!(fleet::fleet_hash, module)?)?;
         module.add_function(wrap_pyfunction!(fleet::fleet_model, module)?)?;
+        module.add_function(wrap_pyfunction!(fleet::fleet_store, module)?)?;
         module.add_function(wrap_pyfunction!(fleet::fleet_tell, module)?)?;
     }
     Ok(())

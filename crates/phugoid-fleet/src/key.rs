@@ -45,12 +45,37 @@ pub fn hash_file(path: &Path) -> io::Result<(String, u64)> {
 /// The key of a unit of work: the hash of named parts, with the schema and the version of this program. The names keep
 /// two parts from running into one another.
 pub fn key(parts: &[(&str, &str)]) -> String {
-    let mut text = format!("schema {SCHEMA}\nversion {VERSION}\n");
-    for (name, value) in parts {
-        // Writing to a string cannot fail. The length keeps a value with line feeds from looking like two parts.
-        let _ = writeln!(text, "{name} {} {value}", value.len());
+    let mut hasher = Hasher::new();
+    parts.iter().for_each(|(name, value)| hasher.part(name, value));
+    hasher.digits()
+}
+
+/// A key of which the parts come one after another, as many as there are.
+pub struct Hasher(Sha256);
+
+impl Hasher {
+    /// A key of no parts, with the schema and the version of this program.
+    pub fn new() -> Self {
+        Self(Sha256::new_with_prefix(format!("schema {SCHEMA}\nversion {VERSION}\n")))
     }
-    hash(text.as_bytes())
+
+    /// Adds a part. Its length keeps a value with line feeds from looking like two parts.
+    pub fn part(&mut self, name: &str, value: &str) {
+        self.0.update(format!("{name} {} ", value.len()));
+        self.0.update(value);
+        self.0.update("\n");
+    }
+
+    /// The key, as 64 hexadecimal digits.
+    pub fn digits(self) -> String {
+        digits(&self.0.finalize())
+    }
+}
+
+impl Default for Hasher {
+    fn default() -> Self {
+        Self::new()
+    }
 }
 
 fn digits(bytes: &[u8]) -> String {
@@ -72,6 +97,13 @@ mod tests {
         assert_eq!(hash_file(&path).unwrap(), (hash(&content), 1_000_000));
         std::fs::remove_file(&path).unwrap();
         assert!(hash_file(&path).is_err());
+    }
+
+    /// Stores that there are keep their keys.
+    #[test]
+    fn a_key_is_the_hash_of_its_parts_with_their_lengths() {
+        let text = format!("schema {SCHEMA}\nversion {VERSION}\nlog 1 a\nmodel 3 b\nc\n");
+        assert_eq!(key(&[("log", "a"), ("model", "b\nc")]), hash(text.as_bytes()));
     }
 
     #[test]

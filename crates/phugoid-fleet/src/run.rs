@@ -8,6 +8,7 @@ use phugoid_identification::stack::STACK_BYTES;
 use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
+use crate::campaign::file::CampaignError;
 use crate::key::hash_file;
 use crate::logs::FlightTable;
 use crate::row::{Refusal, Row};
@@ -62,6 +63,9 @@ pub enum RunError {
     /// The store cannot be written.
     #[error(transparent)]
     Store(#[from] StoreError),
+    /// A campaign whose factors cannot be put into its files.
+    #[error(transparent)]
+    Campaign(#[from] Box<CampaignError>),
     /// The system gives no threads.
     #[error("no threads to work with: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),
@@ -94,19 +98,30 @@ pub fn plan(logs: Vec<Hashed>, task: &Task, shard: Shard) -> (Vec<Hashed>, Summa
     share_out(hashed.collect(), shard)
 }
 
+/// A piece of work, of one unit or more.
+pub(crate) trait Work {
+    /// Number of its units.
+    fn size(&self) -> usize {
+        1
+    }
+}
+
+impl Work for Hashed {}
+
 /// The pieces of work of a shard, each key once, in their order; copies and those of other shards are counted.
-pub(crate) fn share_out<W>(pieces: Vec<(String, W)>, shard: Shard) -> (Vec<W>, Summary) {
-    let mut summary = Summary { files: pieces.len(), ..Summary::default() };
+pub(crate) fn share_out<W: Work>(pieces: Vec<(String, W)>, shard: Shard) -> (Vec<W>, Summary) {
+    let mut summary = Summary::default();
     let mut seen = HashSet::new();
     let mut work = Vec::new();
     for (key, piece) in pieces {
         let is_ours = shard.has(&key);
+        summary.files += piece.size();
         if !seen.insert(key) {
-            summary.copies += 1;
+            summary.copies += piece.size();
         } else if is_ours {
             work.push(piece);
         } else {
-            summary.of_others += 1;
+            summary.of_others += piece.size();
         }
     }
     (work, summary)
@@ -114,30 +129,31 @@ pub(crate) fn share_out<W>(pieces: Vec<(String, W)>, shard: Shard) -> (Vec<W>, S
 
 /// Does every piece of work with `one` on the threads of a pool and counts what became of them. `progress` is called after each,
 /// from any thread; when `stop` becomes true no other begins.
-pub(crate) fn each<W: Send>(
+pub(crate) fn each<W: Work + Send>(
     pool: &ThreadPool,
     work: Vec<W>,
     summary: &mut Summary,
-    one: impl Fn(W) -> Result<Outcome, StoreError> + Sync,
+    one: impl Fn(W) -> Result<Summary, RunError> + Sync,
     progress: &(dyn Fn(Progress) + Sync),
     stop: &AtomicBool,
-) -> Result<(), StoreError> {
+) -> Result<(), RunError> {
     let (found, done) = (AtomicUsize::new(0), AtomicUsize::new(0));
-    let all = work.len();
-    let counted = |piece: W| -> Result<Outcome, StoreError> {
-        let outcome = one(piece)?;
-        found.fetch_add(usize::from(outcome == Outcome::Found), Ordering::Relaxed);
-        let done = done.fetch_add(1, Ordering::Relaxed) + 1;
+    let all = work.iter().map(Work::size).sum();
+    let counted = |piece: W| -> Result<Summary, RunError> {
+        let size = piece.size();
+        let became = one(piece)?;
+        found.fetch_add(became.found, Ordering::Relaxed);
+        let done = done.fetch_add(size, Ordering::Relaxed) + size;
         progress(Progress { done, all, found: found.load(Ordering::Relaxed) });
-        Ok(outcome)
+        Ok(became)
     };
-    let begun = |piece| if stop.load(Ordering::Relaxed) { None } else { Some(counted(piece)) };
-    let results: Vec<Option<Result<_, StoreError>>> = pool.install(|| work.into_par_iter().map(begun).collect());
+    let begun = |piece: W| match stop.load(Ordering::Relaxed) {
+        true => Ok(Summary { left: piece.size(), ..Summary::default() }),
+        false => counted(piece),
+    };
+    let results: Vec<Result<Summary, RunError>> = pool.install(|| work.into_par_iter().map(begun).collect());
     for result in results {
-        match result.transpose()? {
-            None => summary.left += 1,
-            Some(outcome) => summary.add(outcome),
-        }
+        summary.add(&result?);
     }
     Ok(())
 }
@@ -156,17 +172,29 @@ pub enum Outcome {
     },
 }
 
-impl Summary {
-    /// Counts a log.
-    pub fn add(&mut self, outcome: Outcome) {
+impl From<Outcome> for Summary {
+    fn from(outcome: Outcome) -> Self {
         match outcome {
-            Outcome::Found => self.found += 1,
+            Outcome::Found => Self { found: 1, ..Self::default() },
             Outcome::Estimated { rows, refused } => {
-                self.estimated += 1;
-                self.rows += rows;
-                self.refused += usize::from(refused);
+                Self { estimated: 1, rows, refused: usize::from(refused), ..Self::default() }
             }
         }
+    }
+}
+
+impl Summary {
+    /// Counts what another one counts.
+    pub fn add(&mut self, other: &Self) {
+        let Self { files, copies, of_others, found, estimated, refused, rows, left } = other;
+        self.files += files;
+        self.copies += copies;
+        self.of_others += of_others;
+        self.found += found;
+        self.estimated += estimated;
+        self.refused += refused;
+        self.rows += rows;
+        self.left += left;
     }
 }
 
@@ -221,7 +249,7 @@ pub fn run(
     store.write_model(task.model_sha256(), task.model_text())?;
     let hashed = pool.install(|| files.par_iter().map(|path| Hashed::of(path)).collect());
     let (work, mut summary) = plan(hashed, task, share.shard);
-    let unit = |log: Hashed| one(&log, &log.name, task, flights, store);
+    let unit = |log: Hashed| Ok(one(&log, &log.name, task, flights, store)?.into());
     each(&pool, work, &mut summary, unit, progress, stop)?;
     Ok(summary)
 }

@@ -8,8 +8,8 @@ use arrow_array::cast::AsArray;
 use arrow_array::types::{Float64Type, Int64Type};
 use arrow_array::{Array, ArrayRef, BooleanArray, Float64Array, Int64Array, RecordBatch, StringArray};
 use arrow_schema::{DataType, Field, Schema};
-use parquet::arrow::ArrowWriter;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+use parquet::arrow::{ArrowWriter, ProjectionMask};
 use parquet::basic::Compression;
 use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
@@ -183,11 +183,16 @@ pub(crate) fn write<R: Stored>(rows: &[R], path: &Path) -> Result<(), StoreError
 
 /// Reads the rows of a file. Columns that it lacks stay empty; those that this version does not know are left out.
 pub(crate) fn read<R: Stored>(path: &Path) -> Result<Vec<R>, StoreError> {
+    read_columns(path, &R::columns().iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>())
+}
+
+/// As [`read`], with these columns alone; the others stay empty.
+pub(crate) fn read_columns<R: Stored>(path: &Path, only: &[&str]) -> Result<Vec<R>, StoreError> {
     let failed = |message: String| StoreError::Read { file: path.to_owned(), message };
     let file = File::open(path).map_err(|error| failed(error.to_string()))?;
-    let reader = ParquetRecordBatchReaderBuilder::try_new(file)
-        .and_then(ParquetRecordBatchReaderBuilder::build)
-        .map_err(|error| failed(error.to_string()))?;
+    let builder = ParquetRecordBatchReaderBuilder::try_new(file).map_err(|error| failed(error.to_string()))?;
+    let wanted = ProjectionMask::columns(builder.parquet_schema(), only.iter().copied());
+    let reader = builder.with_projection(wanted).build().map_err(|error| failed(error.to_string()))?;
     let columns = R::columns();
     let mut rows: Vec<R> = Vec::new();
     for batch in reader {

@@ -127,19 +127,27 @@ impl Store {
         &self.folder
     }
 
-    /// The file of a unit.
-    fn unit(&self, kind: &str, model_sha256: &str, key: &str) -> PathBuf {
+    /// Where the rows of a unit stand below the folder of a store.
+    pub fn place(kind: &str, model_sha256: &str, key: &str) -> PathBuf {
         let beginning = |text: &str, length: usize| text.get(..length).unwrap_or(text).to_owned();
-        self.folder
-            .join("estimates")
+        Path::new("estimates")
             .join(format!("source={kind}"))
             .join(format!("model_hash={}", beginning(model_sha256, 12)))
             .join(format!("part={}", beginning(key, 2)))
             .join(format!("{key}.parquet"))
     }
 
+    /// Where the note that a unit is tried again stands below the folder of a store.
+    pub fn place_of_note(key: &str) -> PathBuf {
+        Path::new("again").join(key)
+    }
+
+    fn unit(&self, kind: &str, model_sha256: &str, key: &str) -> PathBuf {
+        self.folder.join(Self::place(kind, model_sha256, key))
+    }
+
     fn again(&self, key: &str) -> PathBuf {
-        self.folder.join("again").join(key)
+        self.folder.join(Self::place_of_note(key))
     }
 
     /// Whether a unit is done and need not be tried again.
@@ -154,6 +162,19 @@ impl Store {
     /// [`StoreError::Write`].
     pub fn write_unit(&self, rows: &[Row], is_tried_again: bool) -> Result<(), StoreError> {
         let Some(Row { key, kind, model_sha256, .. }) = rows.first() else { return Ok(()) };
+        self.write_block(rows, (kind, model_sha256, key), is_tried_again)
+    }
+
+    /// As [`write_unit`](Self::write_unit), under a kind, a model and a key, where the rows may be of several models.
+    ///
+    /// # Errors
+    /// [`StoreError::Write`].
+    pub fn write_block(
+        &self,
+        rows: &[Row],
+        (kind, model_sha256, key): (&str, &str, &str),
+        is_tried_again: bool,
+    ) -> Result<(), StoreError> {
         let (file, again) = (self.unit(kind, model_sha256, key), self.again(key));
         // The note comes before the rows and goes after them, so that whoever is killed in between tries again.
         if is_tried_again {
@@ -162,6 +183,21 @@ impl Store {
         make_folder_of(&file)?;
         schema::write(rows, &file)?;
         if !is_tried_again { remove(&again) } else { Ok(()) }
+    }
+
+    /// These columns of the rows of one unit; none where it is not there.
+    ///
+    /// # Errors
+    /// [`StoreError::Read`].
+    pub fn unit_rows(
+        &self,
+        kind: &str,
+        model_sha256: &str,
+        key: &str,
+        columns: &[&str],
+    ) -> Result<Vec<Row>, StoreError> {
+        let file = self.unit(kind, model_sha256, key);
+        if file.exists() { schema::read_columns(&file, columns) } else { Ok(Vec::new()) }
     }
 
     /// Removes a unit, if there is one.

@@ -41,6 +41,8 @@ pub enum Format {
     DataFlashText,
     /// A telemetry log of a ground station (`.tlog`): frames of MAVLink, each after the time at which it came.
     Tlog,
+    /// A log of PX4 as Flight Review 2 keeps it: a folder with a Parquet file for each topic; read with the feature `parquet`.
+    FlightReview,
     /// MCAP, a container of messages; read with the feature `mcap`.
     Mcap,
     /// Apache Parquet, a table; read with the feature `parquet`.
@@ -97,6 +99,7 @@ impl Format {
     pub(crate) fn is_log(self) -> bool {
         matches!(self, Format::Ulog | Format::DataFlash | Format::Tlog)
             || (cfg!(feature = "mcap") && self == Format::Mcap)
+            || (cfg!(feature = "parquet") && self == Format::FlightReview)
     }
 
     /// The cargo feature that this format needs, of this crate and of the command line; `None` if it needs none or is
@@ -105,7 +108,7 @@ impl Format {
         match self {
             Format::Mat5 => Some("matlab"),
             Format::Mcap => Some("mcap"),
-            Format::Parquet | Format::Arrow => Some("parquet"),
+            Format::Parquet | Format::Arrow | Format::FlightReview => Some("parquet"),
             Format::Zip => Some("excel"),
             Format::Gzip => Some("gzip"),
             _ => None,
@@ -120,6 +123,7 @@ impl Format {
             Format::DataFlash => "an ArduPilot DataFlash log",
             Format::DataFlashText => "an ArduPilot DataFlash log converted to text",
             Format::Tlog => "a MAVLink telemetry log (.tlog)",
+            Format::FlightReview => "a folder of Flight Review (one Parquet file for each topic)",
             Format::Mcap => "an MCAP file",
             Format::Parquet => "a Parquet file",
             Format::Arrow => "an Arrow or Feather file",

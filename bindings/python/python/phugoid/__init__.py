@@ -26,7 +26,7 @@ from typing import Any, Callable, Iterable, Mapping, NamedTuple, Optional, Seque
 import numpy as np
 
 from . import _frames, _phugoid, _show
-from ._fleet import fleet, fleet_tell
+from ._fleet import campaign, fleet, fleet_tell
 from ._phugoid import Model, PhugoidError, Step, __version__
 from ._progress import reporter
 
@@ -46,6 +46,7 @@ __all__ = [
     "compatibility",
     "design",
     "estimate",
+    "campaign",
     "fleet",
     "fleet_tell",
     "from_columns",

@@ -1,21 +1,27 @@
-"""Fleets: many logs estimated once each, on this machine or on a cluster of Ray, into one store."""
+"""Fleets and campaigns: many logs and many simulated flights estimated once each, on this machine or on a cluster of Ray, into one
+store, which may stand behind an address."""
 
 from __future__ import annotations
 
 import contextlib
+import functools
 import json
 import os
 import tempfile
 from typing import Any, Callable, Iterable, Iterator, Optional, Sequence, Union
 
 from . import _phugoid
-from ._phugoid import PhugoidError
+from ._addresses import RemoteStore, content, is_address, names, on_this_machine
+from ._engine import chunks, engine as engine_of
 from ._progress import reporter
 
 #: Name, hash, bytes, and why it cannot be read.
 _Log = tuple[str, str, int, str]
-#: What makes a task on any machine.
+#: What makes the task of a fleet on any machine: name and text of the model, store, method, segments, table of flights.
 _Recipe = tuple[str, str, str, Optional[str], str, Optional[str]]
+#: A log; whether the store has it; what the store has of it from a time when it could not be read.
+_Piece = tuple[_Log, bool, list[str]]
+_Progress = Union[None, bool, Callable[[float], Any]]
 
 
 def fleet(
@@ -30,16 +36,17 @@ def fleet(
     workers: int = 0,
     shard: str = "1/1",
     address: Optional[str] = None,
-    progress: Union[None, bool, Callable[[float], Any]] = None,
+    progress: _Progress = None,
 ) -> dict[str, Any]:
     """Estimates every manoeuvre of every log that the store does not have yet: ``phugoid fleet`` of the command line.
 
-    ``logs`` are files, folders and patterns; with Ray also addresses that fsspec reads (``s3://bucket/flights/*.ulg``).
-    ``model`` is a model file or the name of a built-in one, ``store`` a folder, ``flights`` a table of flights (CSV).
+    ``logs`` are files, folders and patterns, and addresses that fsspec reads (``s3://bucket/flights/*.ulg``). ``model`` is a
+    model file or the name of a built-in one, ``store`` a folder or an address (``s3://bucket/fleet``), ``flights`` a table of
+    flights (CSV). Addresses need ``pip install "phugoid[fleet]"``.
 
-    ``engine="ray"`` makes each log a task of the cluster at ``address`` (``ray://HOST:10001``; without one, of this machine),
-    and needs ``pip install "phugoid[fleet]"``. All machines have to see ``store`` under the same path, and logs that are files
-    too. The store is the same, bit for bit, whatever the engine, ``workers`` (0: one per core) and order.
+    ``engine="ray"`` makes tasks for the cluster at ``address`` (``ray://HOST:10001``; without one, of this machine), and needs
+    ``pip install "phugoid[fleet]"``. All machines have to see under the same path what is no address. The store is the same,
+    bit for bit, whatever the engine, ``workers`` (0: one per core), the order, and whether it stands on a disk or not.
 
     :return: the document of ``phugoid fleet --json``: how many logs were estimated, found, refused.
     :raises PhugoidError: if the model, a log's path or the store is wrong. A log that cannot be read or estimated is a row.
@@ -47,16 +54,90 @@ def fleet(
     words = [logs] if isinstance(logs, str) else [os.fspath(word) for word in logs]
     name, text = _phugoid.fleet_model(model)
     table = None if flights is None else os.path.abspath(flights)
-    recipe: _Recipe = (name, text, os.path.abspath(store), method, segments, table)
-    if engine == "local":
+    place = _place(store)
+    recipe: _Recipe = (name, text, place, method, segments, table)
+    if engine == "local" and not any(is_address(word) for word in [*words, place]):
         files = _phugoid.fleet_files(words)
         task = _phugoid.FleetTask(*recipe)
         with reporter(progress, "logs") as report:
             summary: dict[str, Any] = json.loads(task.run(files, shard, workers, report))
         return summary
-    if engine != "ray":
-        raise PhugoidError(f'the engine is "local" or "ray", not "{engine}"')
-    return _on_ray(_names(words), recipe, shard, workers, address, progress)
+    with contextlib.closing(engine_of(engine, workers, address)) as run, _beside(place) as here:
+        if here != place:
+            RemoteStore(place).begin(here)
+        # This writes the model too.
+        task = _phugoid.FleetTask(name, text, here, method, segments, table)
+        if here != place:
+            RemoteStore(place).send(here)
+        hashed: list[_Log] = []
+        for _, some in run.each(_hash, None, chunks(names(words), run.workers)):
+            hashed.extend(some)
+        work, counted = task.plan(sorted(hashed), shard)
+        summary = json.loads(counted)
+        pieces = chunks(_pieces(task, work, place), run.workers)
+        done = 0
+        with reporter(progress, "logs") as report:
+            for piece, outcomes in run.each(_estimate, recipe, pieces):
+                done += len(piece)
+                for outcome in outcomes:
+                    if outcome is None:
+                        summary["found"] += 1
+                    else:
+                        summary["estimated"] += 1
+                        summary["rows"] += outcome[0]
+                        summary["refused"] += int(outcome[1])
+                if report is not None:
+                    report(done / len(work))
+    return summary
+
+
+def campaign(
+    file: Union[str, os.PathLike[str]],
+    store: Union[str, os.PathLike[str]],
+    *,
+    engine: str = "local",
+    workers: int = 0,
+    shard: str = "1/1",
+    address: Optional[str] = None,
+    progress: _Progress = None,
+) -> dict[str, Any]:
+    """Flies and estimates everything that a campaign asks for and the store does not have: ``phugoid campaign`` of the command
+    line, without the scores. A piece of work is a block of the campaign.
+
+    ``file`` is the file of the campaign; ``store``, ``engine``, ``workers``, ``shard`` and ``address`` are those of :func:`fleet`.
+
+    :return: how many estimations were asked for, made, found and refused, and how many rows were written.
+    :raises PhugoidError: if the campaign or the store is wrong. A flight that cannot be flown or estimated is a row.
+    """
+    place, path = _place(store), os.path.abspath(file)
+    with contextlib.closing(engine_of(engine, workers, address)) as run:
+        there: set[str] = set()
+        if is_address(place):
+            with _beside(place) as here:
+                RemoteStore(place).begin(here)
+            there = RemoteStore(place).done()
+        else:
+            _phugoid.fleet_store(place)
+        task = _campaign_task(path)
+        work, counted = task.plan(shard)
+        summary: dict[str, Any] = json.loads(counted)
+        asked, done = sum(size for _, size in work), 0
+        rest = []
+        for number, size in work:
+            if task.place(number) in there:
+                summary["found"] += size
+                done += size
+            else:
+                rest.append(number)
+        sizes = dict(work)
+        with reporter(progress, "flights") as report:
+            for number, outcome in run.each(_fly, (path, place), rest):
+                done += sizes[number]
+                for key, count in outcome.items():
+                    summary[key] += count
+                if report is not None:
+                    report(done / asked)
+    return summary
 
 
 def fleet_tell(
@@ -67,8 +148,10 @@ def fleet_tell(
     over: str = "flights",
     html: Union[None, str, os.PathLike[str]] = None,
 ) -> dict[str, Any]:
-    """What the fleet in a store tells: the document of ``phugoid fleet tell --json``. ``html`` also writes the page."""
-    text, page = _phugoid.fleet_tell(os.fspath(store), false_discoveries, list(only), over)
+    """What the fleet in a store tells: the document of ``phugoid fleet tell --json``. ``store`` is a folder or an address.
+    ``html`` also writes the page."""
+    with on_this_machine(os.fspath(store)) as here:
+        text, page = _phugoid.fleet_tell(here, false_discoveries, list(only), over)
     if html is not None:
         with open(html, "w", encoding="utf-8") as file:
             file.write(page)
@@ -76,82 +159,80 @@ def fleet_tell(
     return document
 
 
-def _names(words: Sequence[str]) -> list[str]:
-    """Files and addresses, each once, in one order."""
-    remote = [word for word in words if "://" in word]
-    names = set(_phugoid.fleet_files([word for word in words if "://" not in word]) if len(remote) < len(words) else [])
-    for word in remote:
-        import fsspec
-
-        files, path = fsspec.core.url_to_fs(word)
-        found = files.glob(path) if any(letter in path for letter in "*?[") else files.find(path)
-        if not found:
-            raise PhugoidError(f"`{word}`: nothing is there")
-        names.update(files.unstrip_protocol(one) for one in found if files.isfile(one))
-    return sorted(names)
+def _place(store: Union[str, os.PathLike[str]]) -> str:
+    word = os.fspath(store)
+    return word if is_address(word) else os.path.abspath(word)
 
 
 @contextlib.contextmanager
-def _content(name: str) -> Iterator[str]:
-    """A file with the content of a log: the log itself, or a copy for as long as it is needed."""
-    if "://" not in name:
-        yield name
+def _beside(place: str) -> Iterator[str]:
+    """A new store on this machine for what is sent to the one behind an address; the store itself where it is a folder."""
+    if not is_address(place):
+        yield place
         return
-    import fsspec
-
-    # The end of the name is kept, because tables are known by it.
-    with tempfile.TemporaryDirectory() as folder:
-        copy = os.path.join(folder, os.path.basename(name))
-        # What cannot be fetched is found missing by the reader, and becomes a row.
-        with contextlib.suppress(OSError):
-            files, path = fsspec.core.url_to_fs(name)
-            files.get(path, copy)
-        yield copy
+    with tempfile.TemporaryDirectory() as here:
+        _phugoid.fleet_store(here)
+        yield here
 
 
-def _hash(name: str) -> _Log:
-    with _content(name) as file:
-        return _phugoid.fleet_hash(name, file)
+def _pieces(task: Any, work: list[_Log], place: str) -> list[_Piece]:
+    """The logs, with what a store behind an address has of them. One in a folder is asked by whoever does the work."""
+    if not is_address(place):
+        return [(log, False, []) for log in work]
+    there = RemoteStore(place).done()
+    pieces: list[_Piece] = []
+    for log in work:
+        unit, again, *earlier = task.places(log)
+        pieces.append((log, unit in there and again not in there, [name for name in [again, *earlier] if name in there]))
+    return pieces
 
 
-def _one(recipe: _Recipe, log: _Log) -> Optional[tuple[int, bool]]:
-    with _content(log[0]) as file:
-        return _phugoid.FleetTask(*recipe, begin=False).one(log, file)
+def _hash(_: None, some: list[str]) -> list[_Log]:
+    hashed = []
+    for name in some:
+        with content(name) as file:
+            hashed.append(_phugoid.fleet_hash(name, file))
+    return hashed
 
 
-def _on_ray(
-    names: list[str],
-    recipe: _Recipe,
-    shard: str,
-    workers: int,
-    address: Optional[str],
-    progress: Union[None, bool, Callable[[float], Any]],
-) -> dict[str, Any]:
-    try:
-        import ray
-    except ImportError as error:
-        raise PhugoidError('engine="ray" needs Ray: pip install "phugoid[fleet]"') from error
-    if not ray.is_initialized():
-        # Without an address it is this machine: Ray otherwise joins what it finds running.
-        how = {"address": address} if address else {"address": "local", "num_cpus": workers or None}
-        ray.init(log_to_driver=False, include_dashboard=None if address else False, **how)
-    hashing, doing = ray.remote(_hash), ray.remote(_one)
-    task = _phugoid.FleetTask(*recipe)
-    hashed = ray.get([hashing.remote(name) for name in names])
-    work, text = task.plan(hashed, shard)
-    summary: dict[str, Any] = json.loads(text)
-    shared = ray.put(recipe)
-    with reporter(progress, "logs") as report:
-        waiting = [doing.remote(shared, log) for log in work]
-        while waiting:
-            ready, waiting = ray.wait(waiting)
-            for outcome in ray.get(ready):
-                if outcome is None:
-                    summary["found"] += 1
-                else:
-                    summary["estimated"] += 1
-                    summary["rows"] += outcome[0]
-                    summary["refused"] += int(outcome[1])
-            if report is not None:
-                report(1.0 - len(waiting) / len(work))
-    return summary
+@functools.lru_cache(maxsize=1)
+def _fleet_task(recipe: _Recipe) -> Any:
+    """The task, made once in each process: reading the model takes as long as a short log."""
+    return _phugoid.FleetTask(*recipe, begin=False)
+
+
+@functools.lru_cache(maxsize=1)
+def _campaign_task(file: str) -> Any:
+    """The campaign, read and laid out once in each process."""
+    return _phugoid.CampaignTask(file)
+
+
+def _estimate(recipe: _Recipe, some: list[_Piece]) -> list[Optional[tuple[int, bool]]]:
+    """Does some logs: of each `None` where the store has it, else the number of rows and whether it was refused."""
+    model_name, model_text, place, method, segments, table = recipe
+    outcomes: list[Optional[tuple[int, bool]]] = []
+    with _beside(place) as here:
+        if here == place:
+            task = _fleet_task(recipe)
+        else:
+            task = _phugoid.FleetTask(model_name, model_text, here, method, segments, table, begin=False)
+        for log, is_found, _ in some:
+            if is_found:
+                task.note(log)
+                outcomes.append(None)
+                continue
+            with content(log[0]) as file:
+                outcomes.append(task.one(log, file))
+        if here != place:
+            RemoteStore(place).send(here, [name for _, _, earlier in some for name in earlier])
+    return outcomes
+
+
+def _fly(recipe: tuple[str, str], number: int) -> dict[str, int]:
+    """Does one block."""
+    file, place = recipe
+    with _beside(place) as here:
+        outcome: dict[str, int] = json.loads(_campaign_task(file).one(number, here))
+        if here != place:
+            RemoteStore(place).send(here)
+    return outcome

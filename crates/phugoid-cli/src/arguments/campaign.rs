@@ -6,6 +6,7 @@ use clap::Args;
 use phugoid_fleet::shard::Shard;
 
 use super::delivery::Delivery;
+use super::fleet::Engine;
 use super::help::examples_and_exit_codes;
 
 /// Flies scenarios with something varied, estimates each flight by several methods, and scores them against the truth
@@ -30,6 +31,10 @@ pub(crate) struct Campaign {
     /// The i-th of n parts of the campaign, for arrays of jobs on several machines with one store
     #[arg(long, value_name = "i/n", default_value_t)]
     pub(crate) shard: Shard,
+    /// What does the work: local, threads of this program; ray, a task of Ray for each block, on this machine or on the cluster at
+    /// ray://HOST:PORT, by the Python package (pip install "phugoid[fleet]"), with python3 or what PHUGOID_PYTHON names
+    #[arg(long, value_name = "ENGINE", default_value_t)]
+    pub(crate) engine: Engine,
     #[command(flatten)]
     pub(crate) delivery: Delivery,
 }

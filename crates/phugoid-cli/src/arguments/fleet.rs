@@ -38,7 +38,7 @@ pub(crate) struct Estimating {
     /// Model file, or name of a built-in model
     #[arg(long, value_name = "FILE.toml", required = true)]
     pub(crate) model: Option<String>,
-    /// Folder of the store; a new one is made
+    /// Folder of the store; a new one is made. With --engine ray also an address, such as s3://bucket/fleet
     #[arg(long, value_name = "DIR", required = true)]
     pub(crate) store: Option<PathBuf>,
     /// Estimator [default: the one that the model file names, smpe]
@@ -57,7 +57,7 @@ pub(crate) struct Estimating {
     /// The i-th of n parts of the logs, for arrays of jobs on several machines with one store
     #[arg(long, value_name = "i/n", default_value_t)]
     pub(crate) shard: Shard,
-    /// What does the work: local, threads of this program; ray, a task of Ray for each log, on this machine or on the cluster at
+    /// What does the work: local, threads of this program; ray, tasks of Ray, on this machine or on the cluster at
     /// ray://HOST:PORT. Ray is called by the Python package (pip install "phugoid[fleet]"), with python3 or what PHUGOID_PYTHON
     /// names
     #[arg(long, value_name = "ENGINE", default_value_t)]

@@ -14,10 +14,11 @@ pub(super) fn flight() -> String {
     let gzip = if cfg!(feature = "gzip") { ", .csv.gz" } else { "" };
     let matlab = if cfg!(feature = "matlab") { ", MATLAB" } else { "" };
     let parquet = if cfg!(feature = "parquet") { ", Parquet, Arrow" } else { "" };
+    let folder = if cfg!(feature = "parquet") { ", a folder of Flight Review" } else { "" };
     let mcap = if cfg!(feature = "mcap") { ", or MCAP" } else { "" };
     format!(
         "The flight: a table with units in its headers such as alpha_deg (CSV{gzip}{matlab}{excel}{parquet}), or a log of \
-         PX4 (ULog), ArduPilot (DataFlash) or a ground station (.tlog){mcap}; - reads standard input"
+         PX4 (ULog), ArduPilot (DataFlash) or a ground station (.tlog){folder}{mcap}; - reads standard input"
     )
 }
 

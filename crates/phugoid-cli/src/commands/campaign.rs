@@ -1,17 +1,18 @@
 //! `phugoid campaign`.
 
-use std::collections::HashSet;
 use std::sync::atomic::AtomicBool;
 
 use phugoid_fleet::campaign::file::Campaign;
+use phugoid_fleet::campaign::layout::Layout;
 use phugoid_fleet::campaign::run::run as run_campaign;
-use phugoid_fleet::campaign::score::{Score, scores};
+use phugoid_fleet::campaign::score::{COLUMNS, Score, Scoring};
 use phugoid_fleet::run::{Share, Summary};
 use phugoid_fleet::store::Store;
 use serde::Serialize;
 
 use super::fleet::Bar;
 use crate::arguments;
+use crate::arguments::fleet::Engine;
 use crate::failure::Failure;
 use crate::output::{Table, deliver, significant};
 
@@ -25,16 +26,37 @@ struct Document {
 
 pub(crate) fn run(arguments: &arguments::Campaign) -> Result<(), Failure> {
     let campaign = Campaign::open(&arguments.file).map_err(Failure::input)?;
-    let units = campaign.units().map_err(Failure::input)?;
-    let store = Store::create(&arguments.store)?;
-    let share = Share { workers: arguments.workers.map_or(0, usize::from), shard: arguments.shard };
-    let bar = Bar::new("flights");
-    let summary = run_campaign(&units, &store, share, &|progress| bar.set(progress), &AtomicBool::new(false))?;
-    drop(bar);
+    let layout = Layout::new(&campaign).map_err(Failure::input)?;
+    let blocks = layout.blocks().map_err(Failure::input)?;
+    super::fleet::refuse_address(&arguments.store)?;
+    let (store, summary) = match &arguments.engine {
+        Engine::Local => {
+            let store = Store::create(&arguments.store)?;
+            let share = Share { workers: arguments.workers.map_or(0, usize::from), shard: arguments.shard };
+            let bar = Bar::new("flights");
+            let stop = AtomicBool::new(false);
+            let summary = run_campaign(&layout, &blocks, &store, share, &|progress| bar.set(progress), &stop)?;
+            (store, summary)
+        }
+        Engine::Ray(address) => {
+            let request = serde_json::json!({
+                "file": arguments.file,
+                "store": arguments.store,
+                "engine": "ray",
+                "workers": arguments.workers.unwrap_or(0),
+                "shard": arguments.shard.to_string(),
+                "address": address,
+            });
+            let summary = super::on_ray::run("campaign", request)?;
+            (Store::open(&arguments.store)?, summary)
+        }
+    };
     // The store may hold other campaigns: only what this one asks for is scored, by whichever shard it was flown.
-    let keys: HashSet<String> = units.iter().map(|unit| unit.key()).collect();
-    let rows: Vec<_> = store.rows()?.into_iter().filter(|row| keys.contains(&row.key)).collect();
-    let document = Document { name: campaign.name, summary, scores: scores(&rows) };
+    let mut scoring = Scoring::default();
+    for block in &blocks {
+        scoring.add(&store.unit_rows("campaign", &block.model_sha256, &block.key, &COLUMNS)?);
+    }
+    let document = Document { name: campaign.name, summary, scores: scoring.scores() };
     deliver(&document, arguments.delivery.json, arguments.delivery.out.as_deref(), || text(&document, &store))
 }
 

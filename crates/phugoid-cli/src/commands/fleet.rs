@@ -1,15 +1,17 @@
 //! `phugoid fleet`.
 
 use std::io::{IsTerminal as _, Write as _};
+use std::path::Path;
+use std::sync::Mutex;
 use std::sync::atomic::AtomicBool;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use phugoid_fleet::logs::FlightTable;
 use phugoid_fleet::run::{Progress, RunError, Share, Summary, run as run_fleet};
 use phugoid_fleet::source::files;
 use phugoid_fleet::store::{Store, StoreError};
-use phugoid_fleet::unit::Task;
+use phugoid_fleet::unit::{Segments, Task};
 
 use crate::arguments::{
     self,
@@ -39,6 +41,7 @@ impl From<RunError> for Failure {
     fn from(error: RunError) -> Self {
         match error {
             RunError::Store(error) => error.into(),
+            RunError::Campaign(error) => Self::input(error),
             RunError::Threads(_) => Self::impossible(error),
         }
     }
@@ -50,12 +53,24 @@ fn estimate(arguments: &Estimating) -> Result<(), Failure> {
         return Err(Failure::input("fleet needs --model and --store"));
     };
     if let Engine::Ray(address) = &arguments.engine {
-        let summary = super::fleet_on_ray::run(arguments, model, folder, address.as_deref())?;
-        let store = Store::open(folder)?;
+        let request = serde_json::json!({
+            "logs": arguments.logs,
+            "model": model,
+            "store": folder,
+            "method": arguments.method.map(|method| method.name()),
+            "segments": Segments::from(arguments.segments).word(),
+            "flights": arguments.flights,
+            "engine": "ray",
+            "workers": arguments.workers.unwrap_or(0),
+            "shard": arguments.shard.to_string(),
+            "address": address,
+        });
+        let summary = super::on_ray::run("fleet", request)?;
         return deliver(&summary, arguments.delivery.json, arguments.delivery.out.as_deref(), || {
-            text(&summary, &store)
+            text(&summary, folder)
         });
     }
+    refuse_address(folder)?;
     let task = Task::open(model, arguments.method, arguments.segments.into()).map_err(Failure::input)?;
     let table = arguments.flights.as_deref().map(FlightTable::open).transpose().map_err(Failure::input)?;
     let logs = files(&arguments.logs).map_err(Failure::input)?;
@@ -72,10 +87,21 @@ fn estimate(arguments: &Estimating) -> Result<(), Failure> {
         &AtomicBool::new(false),
     )?;
     drop(bar);
-    deliver(&summary, arguments.delivery.json, arguments.delivery.out.as_deref(), || text(&summary, &store))
+    deliver(&summary, arguments.delivery.json, arguments.delivery.out.as_deref(), || text(&summary, folder))
 }
 
-fn text(s: &Summary, store: &Store) -> String {
+/// This program writes to disks. A path with `://` in it would make folders of that name.
+pub(super) fn refuse_address(store: &Path) -> Result<(), Failure> {
+    match store.to_str().filter(|word| word.contains("://")) {
+        Some(word) => Err(Failure::input(format!(
+            "--store {word}: stores behind addresses are reached by the Python package: --engine ray, or in Python \
+             phugoid.fleet(..., store=\"{word}\") and phugoid.campaign(..., store=\"{word}\")"
+        ))),
+        None => Ok(()),
+    }
+}
+
+fn text(s: &Summary, store: &Path) -> String {
     let mut text = format!(
         "{} files: {} estimated ({} of them refused), {} in the store before, {} copies, {} of other shards\n{} rows \
          written to {}\n",
@@ -86,7 +112,7 @@ fn text(s: &Summary, store: &Store) -> String {
         s.copies,
         s.of_others,
         s.rows,
-        store.folder().display()
+        store.display()
     );
     if s.refused > 0 {
         text.push_str("Why logs were refused stands in the columns `refusal` and `message`.\n");
@@ -94,8 +120,18 @@ fn text(s: &Summary, store: &Store) -> String {
     text
 }
 
-/// A bar with rate and remaining time on a terminal; nothing for pipes. Ctrl-C says what is kept, and ends the program.
-pub(super) struct Bar(ProgressBar);
+/// A bar with rate and remaining time on a terminal; a line with the same each minute elsewhere, for the logs of jobs. Ctrl-C says
+/// what is kept, and ends the program.
+pub(super) struct Bar {
+    bar: ProgressBar,
+    what: &'static str,
+    begun: Instant,
+    /// When the last line was written; none on a terminal.
+    lines: Option<Mutex<Instant>>,
+}
+
+/// Time between two lines.
+const LINE: Duration = Duration::from_secs(60);
 
 impl Bar {
     pub(super) fn new(what: &'static str) -> Self {
@@ -117,17 +153,50 @@ impl Bar {
             let _ = writeln!(std::io::stderr(), "{message}");
             std::process::exit(130);
         });
-        Self(bar)
+        let begun = Instant::now();
+        Self { bar, what, begun, lines: (!terminal).then(|| Mutex::new(begun)) }
     }
 
     pub(super) fn set(&self, progress: Progress) {
-        self.0.set_length(progress.all as u64);
-        self.0.set_position(progress.done as u64);
+        self.bar.set_length(progress.all as u64);
+        self.bar.set_position(progress.done as u64);
+        // Another thread that is writing a line writes it for this one.
+        let Some(Ok(mut last)) = self.lines.as_ref().map(Mutex::try_lock) else { return };
+        if last.elapsed() >= LINE {
+            *last = Instant::now();
+            // A line that nobody reads stops nothing.
+            let _ = writeln!(std::io::stderr(), "{}", line(self.what, progress, self.begun.elapsed()));
+        }
     }
 }
 
 impl Drop for Bar {
     fn drop(&mut self) {
-        self.0.finish_and_clear();
+        self.bar.finish_and_clear();
+    }
+}
+
+/// How far a run has come after a time. What was found done took no time.
+fn line(what: &str, progress: Progress, after: Duration) -> String {
+    let Progress { done, all, found } = progress;
+    let rate = done.saturating_sub(found) as f64 / after.as_secs_f64();
+    let left = match rate > 0.0 {
+        true => {
+            format!("{rate:.1} per second, {} left", HumanDuration(Duration::from_secs_f64((all - done) as f64 / rate)))
+        }
+        false => "none of them in this run".to_owned(),
+    };
+    format!("{what}: {done} of {all}, {left}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_of_progress_has_rate_and_remaining_time_without_what_was_found() {
+        let at = |done, found| line("flights", Progress { done, all: 1000, found }, Duration::from_secs(60));
+        assert_eq!(at(400, 100), "flights: 400 of 1000, 5.0 per second, 2 minutes left");
+        assert_eq!(at(400, 400), "flights: 400 of 1000, none of them in this run");
     }
 }

@@ -17,8 +17,6 @@ pub(crate) mod field;
 #[cfg(feature = "fleet")]
 pub(crate) mod fleet;
 #[cfg(feature = "fleet")]
-mod fleet_on_ray;
-#[cfg(feature = "fleet")]
 mod fleet_tell;
 mod flight;
 pub(crate) mod fly;
@@ -28,6 +26,8 @@ pub(crate) mod linearize;
 pub(crate) mod live;
 pub(crate) mod monitor;
 mod offer;
+#[cfg(feature = "fleet")]
+mod on_ray;
 mod recovery;
 pub(crate) mod regress;
 pub(crate) mod reproduce;

@@ -134,6 +134,7 @@ fn mistakes_are_told_before_anything_is_estimated() {
     let run = |arguments: &[&str]| phugoid(&folder.0, &[&["fleet"], arguments].concat());
     assert!(run(&["nowhere", "--model", "hfb320", "--store", "s"]).fails(3).contains("`nowhere`"));
     assert!(run(&["s3://b/x", "--model", "hfb320", "--store", "s"]).fails(3).contains("object store"));
+    assert!(run(&["logs", "--model", "hfb320", "--store", "s3://b/s"]).fails(3).contains("--engine ray"));
     assert!(run(&["logs", "--model", "hfb", "--store", "s"]).fails(3).contains("hfb320"));
     assert!(run(&["logs", "--model", "hfb320", "--store", "logs"]).fails(4).contains("no store"));
     let run = Command::new(env!("CARGO_BIN_EXE_phugoid"))
@@ -281,4 +282,61 @@ fn a_campaign_is_flown_once_scored_and_grows() {
     folder.file("c.toml", &CAMPAIGN.replace("sensors.alpha.noise", "name.alpha"));
     let run = phugoid(&folder.0, &["campaign", "c.toml", "--store", "wrong"]);
     assert!(run.fails(3).contains("`name.alpha`"));
+}
+
+/// Twelve flights in blocks of three.
+fn in_blocks() -> String {
+    CAMPAIGN
+        .replace("seeds = 1", "seeds = 3\nblock = 3")
+        .replace("methods = [\"smpe\", \"ekf\"]", "methods = [\"smpe\"]")
+}
+
+#[test]
+fn a_campaign_in_blocks_is_the_same_whoever_flies_it_and_however_often_it_is_killed() {
+    let folder = Folder::new("fleet-blocks");
+    folder.file("small.toml", SMALL);
+    folder.file("c.toml", &in_blocks());
+    let run = |store: &str, further: &[&str]| {
+        phugoid(&folder.0, &[&["campaign", "c.toml", "--store", store, "--json"], further].concat()).json()
+    };
+    let begun = Instant::now();
+    let whole = run("whole", &["--workers", "1"]);
+    let lasted = begun.elapsed();
+    assert_eq!((&whole["summary"]["files"], &whole["summary"]["estimated"]), (&12.into(), &12.into()));
+    let files = content(&folder.0.join("whole"));
+    let rows = files.keys().filter(|file| file.starts_with("estimates")).count();
+    assert_eq!(rows, 4, "{:?}", files.keys());
+    for (store, shards) in [("two", vec!["1/1"]), ("shards", vec!["3/3", "1/3", "2/3"])] {
+        shards.iter().for_each(|shard| _ = run(store, &["--workers", "2", "--shard", shard]));
+        assert_eq!(content(&folder.0.join(store)), files, "{store}");
+    }
+    // Killed again and again, it ends where the undisturbed one did.
+    let mut kills = 0;
+    for attempt in 0.. {
+        assert!(attempt < 60, "no end after {attempt} starts");
+        let mut child = Command::new(env!("CARGO_BIN_EXE_phugoid"))
+            .current_dir(&folder.0)
+            .args(["campaign", "c.toml", "--store", "killed", "--workers", "1"])
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        let part = 0.3 + 0.5 * (f64::from(attempt) * 0.618_034).fract();
+        std::thread::sleep(Duration::from_secs_f64(lasted.as_secs_f64() * part));
+        if child.try_wait().unwrap().is_some() {
+            break;
+        }
+        child.kill().unwrap();
+        child.wait().unwrap();
+        kills += 1;
+    }
+    assert!(kills >= 1, "it was never killed");
+    assert_eq!(content(&folder.0.join("killed")), files);
+    let again = run("killed", &[]);
+    assert_eq!((&again["summary"]["found"], &again["scores"]), (&12.into(), &whole["scores"]));
+    // The rows are those of a campaign without blocks, but for the key, which is that of the block.
+    folder.file("c.toml", &in_blocks().replace("block = 3", ""));
+    assert_eq!(run("single", &[])["scores"], whole["scores"]);
+    let single = content(&folder.0.join("single"));
+    assert_eq!(single.keys().filter(|file| file.starts_with("estimates")).count(), 12);
 }

@@ -32,36 +32,66 @@ impl Design {
         }
     }
 
-    /// `points` points in the unit cube of this number of dimensions, each coordinate 0 to 1 and 1 not included; none for a
-    /// grid, whose points are made of its values.
+    /// The design with this number of points in the unit cube of this number of dimensions.
     ///
     /// ```
     /// use phugoid_fleet::campaign::design::Design;
-    /// assert_eq!(Design::Sobol.points(2, 2, 1), [[0.5, 0.5], [0.75, 0.25]]);
-    /// let cube = Design::LatinHypercube.points(10, 1, 7);
-    /// let mut strata: Vec<u32> = cube.iter().map(|point| (10.0 * point[0]) as u32).collect();
+    /// let sobol = Design::Sobol.cube(2, 2, 1);
+    /// assert_eq!([sobol.point(0), sobol.point(1)], [[0.5, 0.5], [0.75, 0.25]]);
+    /// let cube = Design::LatinHypercube.cube(10, 1, 7);
+    /// let mut strata: Vec<u32> = (0..10).map(|k| (10.0 * cube.point(k)[0]) as u32).collect();
     /// strata.sort();
     /// assert_eq!(strata, (0..10).collect::<Vec<u32>>());
     /// ```
-    pub fn points(self, points: u32, dimensions: usize, seed: u64) -> Vec<Vec<f64>> {
+    pub fn cube(self, points: u32, dimensions: usize, seed: u64) -> Cube {
         let mut generator = Pcg64Mcg::seed_from_u64(seed);
-        let count = points as usize;
-        match self {
-            Self::Grid => Vec::new(),
-            Self::Random => (0..count).map(|_| (0..dimensions).map(|_| generator.random()).collect()).collect(),
+        let laid_out = match self {
             Self::LatinHypercube => {
-                let mut cube = vec![vec![0.0; dimensions]; count];
-                for dimension in 0..dimensions {
+                let column = |_| {
                     let mut strata: Vec<u32> = (0..points).collect();
                     strata.shuffle(&mut generator);
-                    for (point, stratum) in cube.iter_mut().zip(strata) {
-                        let within: f64 = generator.random();
-                        point[dimension] = (f64::from(stratum) + within) / f64::from(points);
-                    }
-                }
-                cube
+                    let mut within = |stratum| (f64::from(stratum) + generator.random::<f64>()) / f64::from(points);
+                    strata.into_iter().map(&mut within).collect()
+                };
+                (0..dimensions).map(column).collect()
             }
-            Self::Sobol => (1..=points).map(|k| (0..dimensions).map(|d| sobol::point(k, d)).collect()).collect(),
+            Self::Grid | Self::Random | Self::Sobol => Vec::new(),
+        };
+        Cube { design: self, dimensions, seed, laid_out }
+    }
+}
+
+/// The points of a design. Each is computed when it is asked for, so that a million of them takes no memory; a Latin hypercube
+/// alone, in which each point depends on all others, is kept whole.
+#[derive(Clone, Debug)]
+pub struct Cube {
+    design: Design,
+    dimensions: usize,
+    seed: u64,
+    /// Of a Latin hypercube the coordinates of all points, dimension by dimension.
+    laid_out: Vec<Vec<f64>>,
+}
+
+impl Cube {
+    /// The point of this number, from 0; each coordinate is 0 to 1 and 1 not included. A grid has none, since its points are
+    /// made of its values, and a Latin hypercube has no more than it was made with: what is not there has no coordinates.
+    pub fn point(&self, number: u32) -> Vec<f64> {
+        match self.design {
+            Design::Grid => Vec::new(),
+            Design::Random => {
+                // Each coordinate takes one step of the generator.
+                let mut generator = Pcg64Mcg::seed_from_u64(self.seed);
+                generator.advance(u128::from(number) * self.dimensions as u128);
+                (0..self.dimensions).map(|_| generator.random()).collect()
+            }
+            Design::LatinHypercube => {
+                self.laid_out.iter().filter_map(|column| column.get(number as usize).copied()).collect()
+            }
+            // Its first point is the corner, which is left out.
+            Design::Sobol => {
+                let number = number.saturating_add(1);
+                (0..self.dimensions).map(|dimension| sobol::point(number, dimension)).collect()
+            }
         }
     }
 }
@@ -73,9 +103,21 @@ mod tests {
     #[test]
     fn larger_designs_keep_the_points_of_smaller_ones() {
         for design in [Design::Random, Design::Sobol] {
-            assert_eq!(design.points(40, 5, 3)[..15], design.points(15, 5, 3));
+            let (large, small) = (design.cube(40, 5, 3), design.cube(15, 5, 3));
+            assert!((0..15).all(|k| large.point(k) == small.point(k)));
         }
-        assert_ne!(Design::Random.points(5, 2, 1), Design::Random.points(5, 2, 2));
-        assert!(Design::Grid.points(4, 2, 1).is_empty());
+        assert_ne!(Design::Random.cube(5, 2, 1).point(0), Design::Random.cube(5, 2, 2).point(0));
+        assert!(Design::Grid.cube(4, 2, 1).point(0).is_empty());
+    }
+
+    /// A random point that is asked for by its number is the one that a generator comes to that draws all points before it.
+    #[test]
+    fn a_random_point_by_number_is_that_of_the_sequence() {
+        let mut generator = Pcg64Mcg::seed_from_u64(7);
+        let cube = Design::Random.cube(50, 3, 7);
+        for k in 0..50 {
+            let drawn: Vec<f64> = (0..3).map(|_| generator.random()).collect();
+            assert_eq!(cube.point(k), drawn);
+        }
     }
 }

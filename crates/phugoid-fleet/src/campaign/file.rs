@@ -1,4 +1,4 @@
-//! The file of a campaign, in TOML, and the flights that it asks for.
+//! The file of a campaign, in TOML, and what is wrong with one.
 
 use std::path::{Path, PathBuf};
 
@@ -6,11 +6,9 @@ use phugoid_identification::method::Method;
 use phugoid_identification::model_file::{ModelError, ModelFile};
 use phugoid_simulation::scenario::{BUILT_IN, nearest};
 use serde::Deserialize;
-use toml::{Table, Value};
 
 use super::design::Design;
-use super::unit::Unit;
-use super::vary::{Factor, FactorError, Target};
+use super::vary::{Factor, FactorError};
 
 /// A campaign: scenarios, models, methods, seeds, and what is varied.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -36,6 +34,9 @@ pub struct Campaign {
     /// Seed of a random design.
     #[serde(default)]
     pub design_seed: u64,
+    /// Number of consecutive estimations that are one file of the store: more than one where there are very many.
+    #[serde(default = "one")]
+    pub block: u32,
     /// What is varied.
     #[serde(default)]
     pub vary: Vec<Factor>,
@@ -48,8 +49,14 @@ fn one() -> u32 {
     1
 }
 
-/// Most flights of a campaign: it is laid out in memory before it begins.
-pub const MOST_UNITS: usize = 1_000_000;
+/// Most estimations of a campaign, so that their numbers and those of their rows stay far from what can be counted.
+pub const MOST_UNITS: usize = 1_000_000_000;
+
+/// Most files that a campaign makes: a folder with more is slow to list, copy and remove.
+pub const MOST_FILES: usize = 100_000;
+
+/// Most coordinates of a Latin hypercube, which is kept in memory: 8 bytes each.
+pub const MOST_NUMBERS: usize = 20_000_000;
 
 /// What is wrong with a campaign.
 #[derive(Debug, thiserror::Error)]
@@ -89,11 +96,44 @@ pub enum CampaignError {
     Incomplete(&'static str),
     /// Too many flights.
     #[error(
-        "the campaign asks for {units} estimations: at most {MOST_UNITS} can be laid out at once. Use fewer, or several campaigns with one store"
+        "the campaign asks for {units} estimations: at most {MOST_UNITS}. Use fewer, or several campaigns with one store"
     )]
     TooMany {
         /// Number that it asks for.
         units: usize,
+    },
+    /// Too many files.
+    #[error(
+        "the campaign asks for {units} estimations in files of {block}: at most {MOST_FILES} files. Let `block`, the number of \
+         estimations in a file, be larger: `block = 1000`"
+    )]
+    TooManyFiles {
+        /// Number of estimations that it asks for.
+        units: usize,
+        /// Number of estimations in a file.
+        block: usize,
+    },
+    /// Blocks that are not all whole.
+    #[error(
+        "`block = {block}` does not divide the {of_a_group} estimations of each scenario and model (points times seeds times \
+         methods): `block = {fitting}` does"
+    )]
+    Block {
+        /// Number of estimations in a file.
+        block: usize,
+        /// Number of estimations of one scenario with one model.
+        of_a_group: usize,
+        /// The largest number up to the block that divides it.
+        fitting: usize,
+    },
+    /// A Latin hypercube that takes too much memory.
+    #[error(
+        "a Latin hypercube of {numbers} numbers (points times factors) does not fit into memory: at most {MOST_NUMBERS}. \
+         `design = \"sobol\"` fills the space as well and needs none"
+    )]
+    TooLarge {
+        /// Its numbers.
+        numbers: usize,
     },
 }
 
@@ -139,100 +179,46 @@ impl Campaign {
             "more factors than the design can have: 21 for Sobol, 100 else",
         )?;
         self.vary.iter().try_for_each(|factor| factor.check(is_grid))?;
-        let points = match is_grid {
-            true => self.vary.iter().map(|f| f.grid().len()).try_fold(1, usize::checked_mul),
-            false => self.points.map(|points| points as usize),
-        };
-        let counts = [self.scenarios.len(), self.models.len(), self.methods.len(), self.seeds as usize];
-        let units = counts.into_iter().try_fold(points.unwrap_or(usize::MAX), usize::checked_mul).unwrap_or(usize::MAX);
-        if units > MOST_UNITS { Err(CampaignError::TooMany { units }) } else { Ok(()) }
+        let limit = |ok: bool, error: CampaignError| if ok { Ok(()) } else { Err(error) };
+        let numbers = (self.points.unwrap_or(0) as usize).saturating_mul(self.vary.len());
+        let is_laid_out = self.design == Design::LatinHypercube;
+        limit(!is_laid_out || numbers <= MOST_NUMBERS, CampaignError::TooLarge { numbers })?;
+        let of_a_group = [self.count_of_points()?, self.seeds as usize, self.methods.len()];
+        let of_a_group = of_a_group.into_iter().try_fold(1, usize::checked_mul).unwrap_or(usize::MAX);
+        let groups = self.scenarios.len().saturating_mul(self.models.len());
+        let (units, block) = (of_a_group.saturating_mul(groups), self.block as usize);
+        limit(units <= MOST_UNITS, CampaignError::TooMany { units })?;
+        need(block > 0, "`block` has to be one or more")?;
+        // Blocks that are all whole stay what they are when the campaign grows.
+        let fitting = (1..=block.min(of_a_group)).rev().find(|n| of_a_group.is_multiple_of(*n)).unwrap_or(1);
+        limit(fitting == block, CampaignError::Block { block, of_a_group, fitting })?;
+        limit(units / block <= MOST_FILES, CampaignError::TooManyFiles { units, block })
     }
 
-    /// The values of the factors at each point, in their order.
-    pub fn points(&self) -> Vec<Vec<Value>> {
-        if self.design != Design::Grid {
-            let cube = self.design.points(self.points.unwrap_or(0), self.vary.len(), self.design_seed);
-            return cube.iter().map(|at| self.vary.iter().zip(at).map(|(factor, u)| factor.at(*u)).collect()).collect();
-        }
-        self.vary.iter().fold(vec![Vec::new()], |points, factor| {
-            let values = factor.grid();
-            points
-                .iter()
-                .flat_map(|point| values.iter().map(|v| [point.as_slice(), std::slice::from_ref(v)].concat()))
-                .collect()
-        })
-    }
-
-    /// Every estimation that the campaign asks for.
+    /// Number of points of the design.
     ///
     /// # Errors
-    /// [`CampaignError`]: a scenario or a model that is not there, or a path of a factor that leads nowhere.
-    pub fn units(&self) -> Result<Vec<Unit>, CampaignError> {
-        let scenarios = self.scenarios.iter().map(|name| self.scenario(name)).collect::<Result<Vec<_>, _>>()?;
-        let models = self.models.iter().map(|name| self.model(name)).collect::<Result<Vec<_>, _>>()?;
-        let points = self.points();
-        let mut units = Vec::new();
-        for (name, scenario, folder) in &scenarios {
-            for point in &points {
-                let flown = self.with(scenario, point, Target::Scenario)?;
-                for (model_name, model) in &models {
-                    let model = self.with(model, point, Target::Model)?;
-                    for (method, seed) in self.methods.iter().flat_map(|m| (1..=self.seeds).map(move |s| (*m, s))) {
-                        units.push(Unit {
-                            scenario_name: name.clone(),
-                            scenario: flown.clone(),
-                            folder: folder.clone(),
-                            model_name: model_name.clone(),
-                            model: model.clone(),
-                            method,
-                            seed: u64::from(seed),
-                            factors: self.factors(point),
-                        });
-                    }
-                }
+    /// [`CampaignError::TooMany`]: more than can be counted.
+    pub(super) fn count_of_points(&self) -> Result<usize, CampaignError> {
+        match self.design {
+            Design::Grid => {
+                let lengths = self.vary.iter().map(Factor::grid_length);
+                lengths.into_iter().try_fold(1, usize::checked_mul).ok_or(CampaignError::TooMany { units: usize::MAX })
             }
+            _ => Ok(self.points.unwrap_or(0) as usize),
         }
-        Ok(units)
     }
 
-    /// The text of a file with the values of a point in it. Without a factor for it the text stays as it is.
-    fn with(&self, text: &str, point: &[Value], target: Target) -> Result<std::sync::Arc<str>, CampaignError> {
-        let factors = || self.vary.iter().zip(point).filter(|(factor, _)| factor.target == target);
-        if factors().next().is_none() {
-            return Ok(text.into());
-        }
-        let wrong = |source| CampaignError::Wrong { place: self.name.clone(), source: Box::new(source) };
-        let mut file: Table = toml::from_str(text).map_err(wrong)?;
-        for (factor, value) in factors() {
-            factor.put(value.clone(), &mut file)?;
-        }
-        Ok(file.to_string().into())
-    }
-
-    fn factors(&self, point: &[Value]) -> std::sync::Arc<str> {
-        let named = self.vary.iter().zip(point).map(|(factor, value)| {
-            // With its unit a number is text: the plain number is what tables are made of.
-            let plain = match (&factor.unit, value) {
-                (Some(unit), Value::String(text)) => text
-                    .strip_suffix(unit.as_str())
-                    .and_then(|number| number.trim().parse::<f64>().ok())
-                    .map_or_else(|| serde_json::json!(text), |number| serde_json::json!(number)),
-                (_, value) => serde_json::json!(value),
-            };
-            (factor.path.clone(), plain)
-        });
-        serde_json::Value::Object(named.collect()).to_string().into()
-    }
-
-    fn scenario(&self, name: &str) -> Result<(String, String, PathBuf), CampaignError> {
+    /// Text of a scenario, and the folder in which its paths begin.
+    pub(super) fn scenario(&self, name: &str) -> Result<(String, PathBuf), CampaignError> {
         let path = self.folder.join(name);
         if path.is_file() {
             let text = std::fs::read_to_string(&path)
                 .map_err(|source| CampaignError::Unreadable { file: path.clone(), source })?;
-            return Ok((name.to_owned(), text, path.parent().map(Path::to_owned).unwrap_or_default()));
+            return Ok((text, path.parent().map(Path::to_owned).unwrap_or_default()));
         }
         match BUILT_IN.iter().find(|(known, _)| *known == name) {
-            Some((_, text)) => Ok((name.to_owned(), (*text).to_owned(), PathBuf::new())),
+            Some((_, text)) => Ok(((*text).to_owned(), PathBuf::new())),
             None => {
                 let nearest = nearest(name, BUILT_IN.iter().map(|(known, _)| *known));
                 Err(CampaignError::NoScenario { name: name.to_owned(), nearest })
@@ -240,10 +226,10 @@ impl Campaign {
         }
     }
 
-    fn model(&self, name: &str) -> Result<(String, String), CampaignError> {
+    /// Text of a model.
+    pub(super) fn model(&self, name: &str) -> Result<String, CampaignError> {
         let path = self.folder.join(name);
         let found = if path.is_file() { path.display().to_string() } else { name.to_owned() };
-        let (_, text) = ModelFile::find_text(&found)?;
-        Ok((name.to_owned(), text))
+        Ok(ModelFile::find_text(&found)?.1)
     }
 }

@@ -3,6 +3,8 @@
 
 pub mod design;
 pub mod file;
+pub mod kept;
+pub mod layout;
 #[cfg(feature = "parquet")]
 pub mod run;
 pub mod score;

@@ -2,40 +2,59 @@
 
 use std::sync::atomic::AtomicBool;
 
-use rayon::prelude::*;
+use super::kept::Kept;
+use super::layout::{Block, Layout};
+use super::unit::NamedFiles;
+use crate::run::{Progress, RunError, Share, Summary, Work, each, pool, share_out};
+use crate::shard::Shard;
+use crate::store::Store;
 
-use super::unit::Unit;
-use crate::run::{Outcome, Progress, RunError, Share, Summary, each, pool, share_out};
-use crate::store::{Store, StoreError};
-
-/// Flies and estimates every unit that the store does not have. `progress` and `stop` are those of [`crate::run::run`].
+/// Flies and estimates every block that the store does not have. `progress` and `stop` are those of [`crate::run::run`]; all is
+/// counted in estimations.
 ///
 /// # Errors
 /// [`RunError`]. A unit that cannot be flown or estimated is no error but a row.
 pub fn run(
-    units: &[Unit],
+    layout: &Layout,
+    blocks: &[Block],
     store: &Store,
     share: Share,
     progress: &(dyn Fn(Progress) + Sync),
     stop: &AtomicBool,
 ) -> Result<Summary, RunError> {
     let pool = pool(share.workers)?;
-    let keyed = |unit| {
-        let key = Unit::key(unit);
-        (key.clone(), (unit, key))
-    };
-    let keyed: Vec<(String, (&Unit, String))> = pool.install(|| units.par_iter().map(keyed).collect());
-    let (work, mut summary) = share_out(keyed, share.shard);
-    let one = |(unit, key): (&Unit, String)| -> Result<Outcome, StoreError> {
-        let model = unit.model_sha256();
-        if store.has("campaign", &model, &key) {
-            return Ok(Outcome::Found);
-        }
-        store.write_model(&model, &unit.model)?;
-        let rows = unit.rows();
-        store.write_unit(&rows, false)?;
-        Ok(Outcome::Estimated { rows: rows.len(), refused: rows.iter().all(|row| row.parameter.is_none()) })
-    };
-    each(&pool, work, &mut summary, one, progress, stop)?;
+    let (work, mut summary) = plan(blocks, share.shard);
+    each(&pool, work, &mut summary, |(_, block)| one(layout, block, store), progress, stop)?;
     Ok(summary)
+}
+
+/// The blocks that a shard has to do, with their numbers; those of other shards are counted. Every engine asks this function.
+pub fn plan(blocks: &[Block], shard: Shard) -> (Vec<(usize, &Block)>, Summary) {
+    share_out(blocks.iter().enumerate().map(|piece| (piece.1.key.clone(), piece)).collect(), shard)
+}
+
+/// Does one block, unless the store has it.
+///
+/// # Errors
+/// [`RunError`]: the store cannot be written.
+pub fn one(layout: &Layout, block: &Block, store: &Store) -> Result<Summary, RunError> {
+    if store.has("campaign", &block.model_sha256, &block.key) {
+        return Ok(Summary { found: block.units.len(), ..Summary::default() });
+    }
+    store.write_model(&block.model_sha256, &block.model)?;
+    let (mut files, mut kept) = (NamedFiles::default(), Kept::default());
+    let (mut rows, mut refused) = (Vec::new(), 0);
+    for number in block.units.clone() {
+        let of_unit = layout.unit(number, &mut files).map_err(Box::new)?.rows(&block.key, &mut kept);
+        refused += usize::from(of_unit.iter().all(|row| row.parameter.is_none()));
+        rows.extend(of_unit);
+    }
+    store.write_block(&rows, ("campaign", &block.model_sha256, &block.key), false)?;
+    Ok(Summary { estimated: block.units.len(), refused, rows: rows.len(), ..Summary::default() })
+}
+
+impl Work for (usize, &Block) {
+    fn size(&self) -> usize {
+        self.1.units.len()
+    }
 }

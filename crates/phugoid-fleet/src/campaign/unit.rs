@@ -1,16 +1,15 @@
 //! One unit of a campaign: a flight is simulated and estimated, and the result is scored against the truth.
 
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use phugoid_identification::estimate::{EstimateOptions, estimate};
 use phugoid_identification::method::Method;
-use phugoid_identification::model_file::ModelFile;
-use phugoid_simulation::flight::fly;
-use phugoid_simulation::scenario::Scenario;
 use toml::{Table, Value};
 
-use crate::key::{VERSION, hash, hash_file, key};
+use super::kept::{Kept, Problem};
+use crate::key::{VERSION, hash_file, key};
 use crate::row::{Refusal, Row};
 
 /// A flight and how it is estimated, with everything that decides on the result.
@@ -30,63 +29,34 @@ pub struct Unit {
     pub method: Method,
     /// The seed that is flown.
     pub seed: u64,
+    /// SHA-256 of the scenario as it is flown: its text, the seed, and the content of every file that the text names.
+    pub source_sha256: String,
+    /// SHA-256 of the text of the model.
+    pub model_sha256: String,
     /// The factors with their values, as a JSON object.
     pub factors: Arc<str>,
 }
 
 impl Unit {
-    /// SHA-256 of the scenario as it is flown: its text, the seed, and the content of every file that the text names.
-    pub fn source_sha256(&self) -> String {
-        let mut files = Vec::new();
-        if let Ok(table) = toml::from_str::<Table>(&self.scenario) {
-            self.named_files("", &Value::Table(table), &mut files);
-        }
-        let seed = self.seed.to_string();
-        let mut parts = vec![("scenario", self.scenario.as_ref()), ("seed", seed.as_str())];
-        parts.extend(files.iter().map(|hash| ("file", hash.as_str())));
-        key(&parts)
-    }
-
-    /// Hashes of the files that texts of the scenario name, in the order of the scenario.
-    fn named_files(&self, key: &str, value: &Value, files: &mut Vec<String>) {
-        match value {
-            Value::Table(table) => table.iter().for_each(|(key, value)| self.named_files(key, value, files)),
-            Value::Array(list) => list.iter().for_each(|value| self.named_files(key, value, files)),
-            Value::String(text) => {
-                let path = self.folder.join(text);
-                match key == "file" && path.is_dir() {
-                    // An aircraft in several files.
-                    true => hash_folder(&path, files),
-                    false => files.extend(hash_file(&path).ok().map(|(hash, _)| hash)),
-                }
-            }
-            _ => {}
-        }
-    }
-
-    /// SHA-256 of the text of the model.
-    pub fn model_sha256(&self) -> String {
-        hash(self.model.as_bytes())
-    }
-
-    /// The key of this unit. The names of scenario and model and the factors are in its rows, and so in its key.
+    /// The key of this unit by itself. The names of scenario and model and the factors are in its rows, and so in its key.
     pub fn key(&self) -> String {
         key(&[
-            ("flight", &self.source_sha256()),
+            ("flight", &self.source_sha256),
             ("scenario", &self.scenario_name),
             ("factors", &self.factors),
-            ("model", &self.model_sha256()),
+            ("model", &self.model_sha256),
             ("method", self.method.name()),
         ])
     }
 
-    /// Flies, estimates and scores: one row per parameter, or one that says why there are none.
-    pub fn rows(&self) -> Vec<Row> {
+    /// Flies, estimates and scores: one row per parameter, or one that says why there are none. `key` is that of the block which
+    /// the rows belong to; what was read and flown for the unit before is taken from `kept`.
+    pub fn rows(&self, key: &str, kept: &mut Kept) -> Vec<Row> {
         let common = Row {
-            key: self.key(),
+            key: key.to_owned(),
             kind: "campaign".to_owned(),
-            source_sha256: Some(self.source_sha256()),
-            model_sha256: self.model_sha256(),
+            source_sha256: Some(self.source_sha256.clone()),
+            model_sha256: self.model_sha256.clone(),
             model: self.model_name.clone(),
             version: VERSION.to_owned(),
             method: self.method.name().to_owned(),
@@ -96,33 +66,69 @@ impl Unit {
             factors: Some(self.factors.to_string()),
             ..Row::default()
         };
-        let refused = |why: Refusal, error: String| vec![common.refused(why, error)];
-        let model = match ModelFile::parse(&self.model_name, &self.model) {
-            Ok(model) => model,
-            Err(error) => return refused(Refusal::NotEstimated, error.to_string()),
-        };
-        let mut scenario = match Scenario::parse(&self.scenario, &self.scenario_name) {
-            Ok(scenario) => scenario,
-            Err(error) => return refused(Refusal::NotFlown, error.to_string()),
-        };
-        scenario.folder.clone_from(&self.folder);
-        scenario.seed = self.seed;
-        let flight = match fly(&scenario) {
-            Ok(flight) => flight,
-            Err(error) => return refused(Refusal::NotFlown, error.to_string()),
+        let (model, flight) = match kept.of(self) {
+            Ok(both) => both,
+            Err(Problem::Model(error)) => return vec![common.refused(Refusal::NotEstimated, error)],
+            Err(Problem::Flight(error)) => return vec![common.refused(Refusal::NotFlown, error)],
         };
         let options = EstimateOptions {
             method: Some(self.method),
             truth: flight.true_parameters.clone(),
             ..EstimateOptions::default()
         };
-        match estimate(&flight.measured, &model, &options, &mut |_| {}) {
+        match estimate(&flight.measured, model, &options, &mut |_| {}) {
             Ok(estimation) => {
                 let time = &flight.measured.time;
                 let duration_s = time.first().zip(time.last()).map(|(first, last)| last - first);
                 Row { duration_s, ..common }.of_estimation(&estimation)
             }
-            Err(error) => refused(Refusal::NotEstimated, error.to_string()),
+            Err(error) => vec![common.refused(Refusal::NotEstimated, error.to_string())],
+        }
+    }
+}
+
+/// SHA-256 of a scenario as it is flown: its text, the seed, and the content of every file that the text names, in the order of
+/// the text. `folder` is where relative paths begin.
+pub(super) fn source_sha256(scenario: &str, seed: u64, folder: &Path, files: &mut NamedFiles) -> String {
+    let mut named = Vec::new();
+    if let Ok(table) = toml::from_str::<Table>(scenario) {
+        table.iter().for_each(|(key, value)| files.named_in(key, value, folder, &mut named));
+    }
+    let seed = seed.to_string();
+    let mut parts = vec![("scenario", scenario), ("seed", seed.as_str())];
+    parts.extend(named.iter().map(|hash| ("file", hash.as_str())));
+    key(&parts)
+}
+
+/// Hashes of the files that scenarios name, each read once. Words that name no file are not kept: a number with its unit may be
+/// another one in every flight.
+#[derive(Debug, Default)]
+pub struct NamedFiles(HashMap<PathBuf, Vec<String>>);
+
+impl NamedFiles {
+    /// Hashes of the files that texts in a value name. `key` is the key under which the value stands.
+    pub(super) fn named_in(&mut self, key: &str, value: &Value, folder: &Path, named: &mut Vec<String>) {
+        match value {
+            Value::Table(table) => table.iter().for_each(|(key, value)| self.named_in(key, value, folder, named)),
+            Value::Array(list) => list.iter().for_each(|value| self.named_in(key, value, folder, named)),
+            Value::String(text) => {
+                let path = folder.join(text);
+                if let Some(hashes) = self.0.get(&path) {
+                    named.extend_from_slice(hashes);
+                    return;
+                }
+                let mut hashes = Vec::new();
+                match key == "file" && path.is_dir() {
+                    // An aircraft in several files.
+                    true => hash_folder(&path, &mut hashes),
+                    false => hashes.extend(hash_file(&path).ok().map(|(hash, _)| hash)),
+                }
+                if !hashes.is_empty() {
+                    named.extend_from_slice(&hashes);
+                    self.0.insert(path, hashes);
+                }
+            }
+            _ => {}
         }
     }
 }

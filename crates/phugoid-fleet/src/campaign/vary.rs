@@ -1,10 +1,10 @@
 //! Factors of a campaign: where in a file a value is put, and which values.
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use toml::{Table, Value};
 
 /// Which file a factor changes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Target {
     /// The scenario that is flown.
@@ -117,6 +117,11 @@ impl Factor {
         }
         let steps = self.steps.unwrap_or(2).max(2);
         (0..steps).map(|k| self.within(f64::from(k) / f64::from(steps - 1))).collect()
+    }
+
+    /// Number of the values of a grid.
+    pub fn grid_length(&self) -> usize {
+        self.values.as_ref().map_or(self.steps.unwrap_or(2).max(2) as usize, Vec::len)
     }
 
     /// The value at a coordinate of the unit cube, 0 to 1.

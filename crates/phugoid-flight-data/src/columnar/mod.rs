@@ -46,6 +46,24 @@ impl Columns {
         Ok(columns)
     }
 
+    /// Names of the columns of numbers, in the order of the file.
+    pub(crate) fn names(&self) -> impl Iterator<Item = &str> {
+        self.columns.iter().map(|column| column.header.as_str())
+    }
+
+    /// Leaves out the columns whose place among [`names`](Self::names) is not `wanted`, before any row is read.
+    pub(crate) fn retain(&mut self, wanted: impl Fn(usize) -> bool) {
+        let mut place = 0..;
+        self.chosen.retain(|_| place.next().is_some_and(&wanted));
+        let mut place = 0..;
+        self.columns.retain(|_| place.next().is_some_and(&wanted));
+    }
+
+    /// The columns with their values.
+    pub(crate) fn into_columns(self) -> Vec<Column> {
+        self.columns
+    }
+
     /// Number of rows so far.
     pub(crate) fn rows(&self) -> usize {
         self.columns.first().map_or(0, |column| column.values.len())

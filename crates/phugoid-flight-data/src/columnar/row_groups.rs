@@ -14,7 +14,7 @@ use super::{AddError, Columns, ReadError, pages, schema};
 use crate::memory::{Account, Excess};
 use crate::quality::QualityReport;
 use crate::record::Record;
-use crate::table::{BYTES_PER_ROW, TableError, TableOptions, columns};
+use crate::table::{self, BYTES_PER_ROW, TableError, TableOptions};
 
 /// Number of rows per batch: a few thousand need little memory and few calls.
 const BATCH: usize = 8192;
@@ -31,6 +31,18 @@ pub(crate) fn read<R: ChunkReader + 'static>(
     options: &TableOptions,
 ) -> Result<Record, ReadError> {
     let account = &Account::new(options.max_memory);
+    let (columns, report) = columns(open, source, account, |_| true)?;
+    columns.record(source, options, report, account)
+}
+
+/// The columns of numbers, and what was found damaged. `choose` is called with those that there are, before any row is read, and
+/// may leave some out; where it says false, none is read.
+pub(crate) fn columns<R: ChunkReader + 'static>(
+    open: impl Fn() -> io::Result<R>,
+    source: &str,
+    account: &Account,
+    choose: impl FnOnce(&mut Columns) -> bool,
+) -> Result<(Columns, QualityReport), ReadError> {
     let over = |excess, place: &str| ReadError::from(TableError::from(account.over(excess, source, place)));
     let io = |error| ReadError::Io { source_name: source.to_owned(), error };
     let damaged = |place: &str, problem: String| ReadError::Damaged {
@@ -45,7 +57,7 @@ pub(crate) fn read<R: ChunkReader + 'static>(
     }
     let metadata = catching_panics(|| ParquetMetaDataReader::new().parse_and_finish(&file)).map_err(in_footer)?;
     let described = metadata.file_metadata();
-    columns::check_count(source, None, described.schema_descr().root_schema().get_fields().len())?;
+    table::columns::check_count(source, None, described.schema_descr().root_schema().get_fields().len())?;
     for entry in described.key_value_metadata().into_iter().flatten().filter(|entry| entry.key == ARROW_SCHEMA_META_KEY)
     {
         let text = entry.value.as_deref().unwrap_or_default();
@@ -55,6 +67,9 @@ pub(crate) fn read<R: ChunkReader + 'static>(
         .map_err(in_footer)?;
     let mut columns = Columns::of(metadata.schema(), source)?;
     let mut report = QualityReport::default();
+    if !choose(&mut columns) {
+        return Ok((columns, report));
+    }
     let mask = ProjectionMask::roots(metadata.parquet_schema(), columns.chosen.iter().copied());
     let groups = metadata.metadata().num_row_groups();
     let mut lost = 0;
@@ -87,7 +102,7 @@ pub(crate) fn read<R: ChunkReader + 'static>(
     }
     match first {
         Some((place, problem)) if columns.rows() == 0 => Err(damaged(&place, problem)),
-        _ => columns.record(source, options, report, account),
+        _ => Ok((columns, report)),
     }
 }
 

@@ -19,6 +19,8 @@
 pub mod dataflash;
 mod decode;
 mod error;
+#[cfg(feature = "parquet")]
+mod flight_review;
 #[cfg(feature = "mcap")]
 pub mod mcap;
 mod read;
@@ -34,8 +36,8 @@ pub mod utc;
 mod window;
 
 pub use error::LogError;
+pub(crate) use read::{Input, is_flight_review, read_as, survey_and_read_as, survey_as};
 pub use read::{read, read_path, survey, survey_path};
-pub(crate) use read::{read_as, survey_and_read_as, survey_as};
 pub use selection::{Selection, Wanted};
 
 use serde::Serialize;

@@ -4,6 +4,8 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
+#[cfg(feature = "parquet")]
+use super::flight_review;
 #[cfg(feature = "mcap")]
 use super::mcap;
 use super::sink::{Head, Sink, Stop, into_log};
@@ -11,7 +13,7 @@ use super::survey::{Survey, into_survey};
 use super::survey_and_tables::SurveyAndTables;
 use super::{Log, LogError, Selection, dataflash, tlog, ulog};
 use crate::format::Format;
-use crate::memory::{Account, Followed, Memory};
+use crate::memory::{Account, Memory};
 use crate::printable;
 
 /// Reads a log from the disk; otherwise as [`read()`].
@@ -20,9 +22,8 @@ use crate::printable;
 /// As [`read()`], with the path as the source's name.
 pub fn read_path(path: &Path, selection: &Selection) -> Result<Log, LogError> {
     let account = Account::new(selection.max_memory);
-    let (file, source) = open(path, &account)?;
-    let (format, reader) = sniff(file, &source)?;
-    read_as(format, reader, &source, selection, &account)
+    let (format, reader, source) = open(path, &account)?;
+    read_as(Input { format, reader, path }, &source, selection, &account)
 }
 
 /// Surveys a log on the disk; otherwise as [`survey()`].
@@ -31,9 +32,8 @@ pub fn read_path(path: &Path, selection: &Selection) -> Result<Log, LogError> {
 /// As [`read()`], with the path as the source's name.
 pub fn survey_path(path: &Path) -> Result<Survey, LogError> {
     let account = Account::new(Memory::default());
-    let (file, source) = open(path, &account)?;
-    let (format, reader) = sniff(file, &source)?;
-    survey_as(format, reader, &source, &account)
+    let (format, reader, source) = open(path, &account)?;
+    survey_as(Input { format, reader, path }, &source, &account)
 }
 
 /// Reads the selected part of a log of any format that this build reads. `source` is its name in messages and reports.
@@ -43,7 +43,8 @@ pub fn survey_path(path: &Path) -> Result<Survey, LogError> {
 /// selection allows. Damage within the log is no error; `quality` names what was skipped.
 pub fn read(reader: impl Read, source: &str, selection: &Selection) -> Result<Log, LogError> {
     let (format, reader) = sniff(reader, source)?;
-    read_as(format, reader, source, selection, &Account::new(selection.max_memory))
+    let path = Path::new(source);
+    read_as(Input { format, reader, path }, source, selection, &Account::new(selection.max_memory))
 }
 
 /// Surveys a log of any format that this build reads, in memory that does not grow with the log.
@@ -52,55 +53,52 @@ pub fn read(reader: impl Read, source: &str, selection: &Selection) -> Result<Lo
 /// As [`read()`].
 pub fn survey(reader: impl Read, source: &str) -> Result<Survey, LogError> {
     let (format, reader) = sniff(reader, source)?;
-    survey_as(format, reader, source, &Account::new(Memory::default()))
+    survey_as(Input { format, reader, path: Path::new(source) }, source, &Account::new(Memory::default()))
+}
+
+/// The content of a log whose format is known: a stream, or for a format that is a folder its path.
+pub(crate) struct Input<'p, R> {
+    pub(crate) format: Format,
+    pub(crate) reader: R,
+    pub(crate) path: &'p Path,
 }
 
 /// As [`read()`], for a format that is known already.
 pub(crate) fn read_as(
-    format: Format,
-    reader: impl Read,
+    input: Input<'_, impl Read>,
     source: &str,
     selection: &Selection,
     account: &Account,
 ) -> Result<Log, LogError> {
-    into_log(source, selection, account, |sink| run(format, reader, source, sink, account))
+    into_log(source, selection, account, |sink| run(input, source, sink, account))
 }
 
 /// As [`survey()`], for a format that is known already.
-pub(crate) fn survey_as(
-    format: Format,
-    reader: impl Read,
-    source: &str,
-    account: &Account,
-) -> Result<Survey, LogError> {
-    into_survey(source, account, |sink| run(format, reader, source, sink, account))
+pub(crate) fn survey_as(input: Input<'_, impl Read>, source: &str, account: &Account) -> Result<Survey, LogError> {
+    into_survey(source, account, |sink| run(input, source, sink, account))
 }
 
 /// Surveys the whole log and reads the selected part of it in one pass. If that part exceeds the bound of the
 /// selection, only its own result is an error.
 pub(crate) fn survey_and_read_as(
-    format: Format,
-    reader: impl Read,
+    input: Input<'_, impl Read>,
     source: &str,
     selection: &Selection,
     account: &Account,
 ) -> Result<(Survey, Result<Log, LogError>), LogError> {
     let mut sink = SurveyAndTables::new(selection, account);
-    match run(format, reader, source, &mut sink, account) {
+    match run(input, source, &mut sink, account) {
         Ok(head) => Ok(sink.finish(head, source, account)),
         Err(stop) => Err(stop.into_error(source, account)),
     }
 }
 
 /// Reads a log of this format into a sink.
-fn run<S: Sink>(
-    format: Format,
-    reader: impl Read,
-    source: &str,
-    sink: &mut S,
-    account: &Account,
-) -> Result<Head, Stop> {
+fn run<S: Sink>(input: Input<'_, impl Read>, source: &str, sink: &mut S, account: &Account) -> Result<Head, Stop> {
+    let Input { format, reader, .. } = input;
     match format {
+        #[cfg(feature = "parquet")]
+        Format::FlightReview => flight_review::run(input.path, source, sink, account),
         Format::Ulog => ulog::run(reader, source, sink, account),
         Format::DataFlash => dataflash::run(reader, source, sink),
         Format::Tlog => tlog::run(reader, source, sink),
@@ -110,21 +108,32 @@ fn run<S: Sink>(
     }
 }
 
-fn open(path: &Path, account: &Account) -> Result<(Followed, String), LogError> {
+fn open(path: &Path, account: &Account) -> Result<(Format, Box<dyn Read>, String), LogError> {
     let source_name = printable::path(path);
+    if is_flight_review(path) {
+        return Ok((Format::FlightReview, Box::new(std::io::empty()), source_name));
+    }
     match File::open(path) {
-        Ok(file) => Ok((account.follow(file), source_name)),
+        Ok(file) => {
+            let (format, reader) = sniff(account.follow(file), &source_name)?;
+            Ok((format, Box::new(reader), source_name))
+        }
         Err(error) => Err(LogError::Io { source_name, error }),
     }
 }
 
-fn sniff<R: Read>(reader: R, source: &str) -> Result<(Format, impl Read), LogError> {
+/// Whether this is a folder as Flight Review 2 writes it for a log.
+pub(crate) fn is_flight_review(path: &Path) -> bool {
+    path.join("metadata.json").is_file()
+}
+
+fn sniff<R: Read>(reader: R, source: &str) -> Result<(Format, impl Read + use<R>), LogError> {
     Format::of(reader).map_err(|error| LogError::Io { source_name: source.to_owned(), error })
 }
 
 fn no_log(source: &str, format: Format) -> LogError {
     let (words, feature) = (format.in_words(), format.feature());
-    let problem = match feature.filter(|_| format == Format::Mcap) {
+    let problem = match feature.filter(|_| matches!(format, Format::Mcap | Format::FlightReview)) {
         Some(feature) => {
             format!("it is {words}, which this build does not read; {}", crate::format::build_with(feature))
         }

@@ -38,8 +38,8 @@ pub use options::ReadOptions;
 
 use crate::csv::{self, CsvOptions};
 use crate::format::Format;
-use crate::log;
 use crate::log::survey::Survey;
+use crate::log::{self, Input};
 use crate::memory::Account;
 use crate::printable;
 use crate::profile::{Profile, ProfileError};
@@ -83,10 +83,12 @@ pub fn read_path(path: &Path, options: &ReadOptions) -> Result<Record, ReadError
     }
     match profile(format, options)? {
         Some(profile) => {
-            let log = log::read_as(format, reader, &source, &selection(&profile, options), &account)?;
+            let log = log::read_as(Input { format, reader, path }, &source, &selection(&profile, options), &account)?;
             from_log::record_counted(&log, &profile, options, &account)
         }
-        None => record_by_field_names(&log::survey_as(format, reader, &source, &account)?, path, options),
+        None => {
+            record_by_field_names(&log::survey_as(Input { format, reader, path }, &source, &account)?, path, options)
+        }
     }
 }
 
@@ -123,12 +125,12 @@ pub fn survey_path(path: &Path, options: &ReadOptions) -> Result<Surveyed, ReadE
         return Ok(Surveyed { survey: None, record: Ok(table(format, &mut reader, path, options, &account)?) });
     }
     let Some(profile) = profile(format, options)? else {
-        let survey = log::survey_as(format, reader, &source, &account)?;
+        let survey = log::survey_as(Input { format, reader, path }, &source, &account)?;
         let record = record_by_field_names(&survey, path, options);
         return Ok(Surveyed { survey: Some(survey), record });
     };
     let selection = selection(&profile, options);
-    let (survey, log) = log::survey_and_read_as(format, reader, &source, &selection, &account)?;
+    let (survey, log) = log::survey_and_read_as(Input { format, reader, path }, &source, &selection, &account)?;
     let made = |log: log::Log| from_log::record_counted(&log, &profile, options, &account);
     let record = log.map_err(ReadError::from).and_then(made);
     Ok(Surveyed { survey: Some(survey), record })
@@ -137,8 +139,12 @@ pub fn survey_path(path: &Path, options: &ReadOptions) -> Result<Surveyed, ReadE
 /// The name that stands for the standard input in place of a file.
 const STANDARD_INPUT: &str = "-";
 
-fn open(path: &Path, account: &Account) -> Result<(Format, impl Read + use<>, String), ReadError> {
+fn open(path: &Path, account: &Account) -> Result<(Format, Box<dyn Read>, String), ReadError> {
     let source_name = printable::path(path);
+    if log::is_flight_review(path) {
+        let nothing: Box<dyn Read> = Box::new(io::empty());
+        return Ok((Format::FlightReview, nothing, source_name));
+    }
     let opened: io::Result<Box<dyn Read>> = match path.as_os_str() == STANDARD_INPUT {
         true => Ok(Box::new(io::stdin())),
         false => File::open(path).map(|file| Box::new(account.follow(file)) as Box<dyn Read>),
@@ -149,7 +155,7 @@ fn open(path: &Path, account: &Account) -> Result<(Format, impl Read + use<>, St
             let source_name = format!("{source_name} ({})", format.in_words());
             Err(ReadError::Io { source_name, error })
         }
-        Ok((format, reader)) => Ok((format, reader, source_name)),
+        Ok((format, reader)) => Ok((format, Box::new(reader), source_name)),
         Err(error) if path.is_dir() => {
             let error = io::Error::new(error.kind(), "it is a folder; name a file in it");
             Err(ReadError::Io { source_name, error })
@@ -169,7 +175,7 @@ fn profile(format: Format, options: &ReadOptions) -> Result<Option<Profile>, Pro
 /// The built-in profile of a format of logs; `None` if it has none.
 fn built_in(format: Format) -> Option<Result<Profile, ProfileError>> {
     match format {
-        Format::Ulog => Some(Profile::px4()),
+        Format::Ulog | Format::FlightReview => Some(Profile::px4()),
         Format::DataFlash => Some(Profile::ardupilot()),
         Format::Tlog => Some(Profile::telemetry_log()),
         _ => None,
@@ -182,7 +188,7 @@ fn record_by_field_names(survey: &Survey, path: &Path, options: &ReadOptions) ->
     let profile = by_field_names::profile(survey);
     let account = Account::new(options.table.max_memory);
     let (format, reader, source) = open(path, &account)?;
-    let log = log::read_as(format, reader, &source, &selection(&profile, options), &account)?;
+    let log = log::read_as(Input { format, reader, path }, &source, &selection(&profile, options), &account)?;
     from_log::record_counted(&log, &profile, options, &account)
 }
 

@@ -1,37 +1,22 @@
-//! `phugoid fleet --engine ray`: the Python package has the engine, and is asked to do the work.
+//! `--engine ray`: the Python package has the engine, and is asked to do the work.
 
 use std::io::Write as _;
-use std::path::Path;
 use std::process::{Command, Stdio};
 
 use phugoid_fleet::run::Summary;
-use phugoid_fleet::unit::Segments;
+use serde_json::Value;
 
-use crate::arguments::fleet::Estimating;
 use crate::failure::Failure;
 
 /// Reads what is asked for from standard input, and prints the summary as its last line.
-const PROGRAM: &str = "import json, sys, phugoid; print(json.dumps(phugoid.fleet(**json.load(sys.stdin))))";
+const PROGRAM: &str = "import json, sys, phugoid
+request = json.load(sys.stdin)
+print(json.dumps(getattr(phugoid, request.pop('function'))(**request)))";
 
-pub(super) fn run(
-    arguments: &Estimating,
-    model: &str,
-    store: &Path,
-    address: Option<&str>,
-) -> Result<Summary, Failure> {
+/// Asks a function of the Python package (`fleet`, `campaign`), which takes what stands in the object `request` by name.
+pub(super) fn run(function: &str, mut request: Value) -> Result<Summary, Failure> {
     let python = std::env::var_os("PHUGOID_PYTHON").unwrap_or_else(|| "python3".into());
-    let request = serde_json::json!({
-        "logs": arguments.logs,
-        "model": model,
-        "store": store,
-        "method": arguments.method.map(|method| method.name()),
-        "segments": Segments::from(arguments.segments).word(),
-        "flights": arguments.flights,
-        "engine": "ray",
-        "workers": arguments.workers.unwrap_or(0),
-        "shard": arguments.shard.to_string(),
-        "address": address,
-    });
+    request["function"] = function.into();
     let failed = |why: String| {
         Failure::impossible(format!(
             "--engine ray: {why}\nIt needs Python with the package: pip install \"phugoid[fleet]\". PHUGOID_PYTHON names another \
