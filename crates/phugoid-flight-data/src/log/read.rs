@@ -60,6 +60,10 @@ pub fn survey(reader: impl Read, source: &str) -> Result<Survey, LogError> {
 pub(crate) struct Input<'p, R> {
     pub(crate) format: Format,
     pub(crate) reader: R,
+    #[cfg_attr(
+        not(feature = "parquet"),
+        expect(dead_code, reason = "the one format that is a folder needs the feature")
+    )]
     pub(crate) path: &'p Path,
 }
 

@@ -45,8 +45,9 @@ impl Body {
 }
 
 /// Span times chord over area: 1 for a rectangle, 4/3 for a triangle, a half for a biplane whose area is that of both
-/// wings.
-pub(crate) const CHORD: [f64; 2] = [0.45, 2.0];
+/// wings. With the chord of the root or the length of the body as the reference, which deltas and lifting bodies have, it is 2 and
+/// more (2.16 for the X-24B). A length in feet makes 3.28 of 1, and an area in square feet a tenth.
+pub(crate) const CHORD: [f64; 2] = [0.45, 2.7];
 /// Aspect ratios from lifting bodies to record gliders.
 pub(crate) const ASPECT_RATIO: [f64; 2] = [0.7, 55.0];
 
@@ -168,6 +169,24 @@ mod tests {
         assert_eq!((wing(&LIGHT), inertia(&LIGHT), radii(&LIGHT)), (None, None, Vec::new()));
         let alone = Body { ixx: None, izz: None, wing_span: None, ..LIGHT };
         assert_eq!((wing(&alone), inertia(&alone), radii(&alone)), (None, None, Vec::new()));
+    }
+
+    /// The X-24B as JSBSim describes it: its reference length is that of the body. Moments per this length are as good as others.
+    #[test]
+    fn a_reference_length_is_no_error_of_units() {
+        let lifting_body = Body {
+            mass: 4627.0,
+            ixx: Some(3593.0),
+            iyy: 32146.0,
+            izz: Some(32702.0),
+            ixz: None,
+            wing_area: 30.7,
+            mean_chord: 11.43,
+            wing_span: Some(5.791),
+        };
+        assert_eq!(wing(&lifting_body), None);
+        let in_feet = Body { mean_chord: 37.5, ..lifting_body };
+        assert!(wing(&in_feet).unwrap().sentence.contains("feet"));
     }
 
     #[test]
