@@ -36,10 +36,6 @@ const MEMORY_S: [f64; 2] = [0.3, 30.0];
 const FURTHEST_BEHIND: f64 = 10.0;
 /// Information about a level per frame of the flight so far, where the shadows go on after a replay.
 const KNOWN_INFORMATION: f64 = 0.35;
-/// Steps between two shadows in which the scale of the process noise is weighed.
-const BETWEEN: usize = 5;
-/// How far behind the best a scale may be to have any weight, nats.
-const FURTHEST_THAT_COUNTS: f64 = 30.0;
 /// Time after which a burst of outliers in one output is told from a level that is too small, s: before it the start
 /// value of the level may be anything.
 const CALIBRATED_S: f64 = 2.0;
@@ -230,34 +226,26 @@ impl<const N: usize, const R: usize> Bank<N, R> {
         self.elapsed_s > CALIBRATED_S
     }
 
-    /// One sigma per output and the scale of the process noise, weighted by the likelihoods of the shadows and of scales
-    /// between theirs.
-    ///
-    /// The shadows are a factor of ten apart, and after half a minute their evidence differs by hundreds of nats, so that one of
-    /// them would decide alone. A process noise that is three times too small bends the slopes over a flow angle by a
-    /// tenth, however long the flight: the filter's angle then moves less than the true one. Between two shadows the evidence is
-    /// taken from a cubic through both with the slopes of [`slope`], and the logarithm of a level from a straight line.
+    /// One sigma per output and the scale of the process noise, weighted by the likelihoods of the shadows.
     pub(crate) fn weighted(&self) -> ([f64; R], f64) {
-        let count = self.count.min(SHADOWS);
-        let shadows = &self.shadows[..count];
-        let mut sum = Weighted { best: f64::NEG_INFINITY, total: 0.0, variance: [0.0; R], log_scale: 0.0 };
-        for (m, low) in shadows.iter().enumerate() {
-            sum.add(low.evidence, self.log_scale[m], |i| low.variance[i]);
-            let Some(high) = shadows.get(m + 1) else { break };
-            let width = self.log_scale[m + 1] - self.log_scale[m];
-            let slopes = [slope(shadows, &self.log_scale, m) * width, slope(shadows, &self.log_scale, m + 1) * width];
-            for k in 1..BETWEEN {
-                let t = k as f64 / BETWEEN as f64;
-                let evidence = cubic([low.evidence, high.evidence], slopes, t);
-                if evidence < sum.best - FURTHEST_THAT_COUNTS {
-                    continue;
-                }
-                sum.add(evidence, self.log_scale[m] + t * width, |i| {
-                    low.variance[i] * libm::exp(t * libm::log(high.variance[i] / low.variance[i]))
-                });
+        let shadows = &self.shadows[..self.count.min(SHADOWS)];
+        let best = shadows.iter().map(|shadow| shadow.evidence).fold(f64::NEG_INFINITY, f64::max);
+        let mut total = 0.0;
+        let mut variance = [0.0; R];
+        let mut log_scale = 0.0;
+        for (shadow, log) in shadows.iter().zip(&self.log_scale) {
+            let behind = shadow.evidence - best;
+            if behind < -30.0 {
+                continue;
+            }
+            let weight = libm::exp(behind);
+            total += weight;
+            log_scale += weight * log;
+            for (to, from) in variance.iter_mut().zip(&shadow.variance) {
+                *to += weight * from;
             }
         }
-        (sum.variance.map(|v| libm::sqrt(v / sum.total)), libm::exp(sum.log_scale / sum.total))
+        (variance.map(|v| libm::sqrt(v / total)), libm::exp(log_scale / total))
     }
 
     /// Takes a frame. With `hold` only the states of the shadows go on. False if nothing was learnt.
@@ -301,56 +289,6 @@ impl<const N: usize, const R: usize> Bank<N, R> {
             shadow.before = [0.0; R];
         }
     }
-}
-
-/// A sum of levels and scales that their likelihoods weigh.
-struct Weighted<const R: usize> {
-    /// The largest evidence so far, nats: that of weight one.
-    best: f64,
-    total: f64,
-    variance: [f64; R],
-    log_scale: f64,
-}
-
-impl<const R: usize> Weighted<R> {
-    fn add(&mut self, evidence: f64, log_scale: f64, variance: impl Fn(usize) -> f64) {
-        if evidence < self.best - FURTHEST_THAT_COUNTS {
-            return;
-        }
-        if evidence > self.best {
-            let smaller = if self.total > 0.0 { libm::exp(self.best - evidence) } else { 0.0 };
-            self.total *= smaller;
-            self.log_scale *= smaller;
-            self.variance = self.variance.map(|v| v * smaller);
-            self.best = evidence;
-        }
-        let weight = libm::exp(evidence - self.best);
-        self.total += weight;
-        self.log_scale += weight * log_scale;
-        for (i, to) in self.variance.iter_mut().enumerate() {
-            *to += weight * variance(i);
-        }
-    }
-}
-
-/// How the evidence of shadow `m` grows with the logarithm of the scale: the slope of the parabola through it and its two
-/// neighbours; at the first and the last the slope to its neighbour.
-fn slope<const N: usize, const R: usize>(shadows: &[Shadow<N, R>], log_scale: &[f64; SHADOWS], m: usize) -> f64 {
-    let to = |k: usize| (shadows[k + 1].evidence - shadows[k].evidence) / (log_scale[k + 1] - log_scale[k]);
-    if m == 0 {
-        return to(0);
-    }
-    if m + 1 >= shadows.len() {
-        return to(m - 1);
-    }
-    let [before, after] = [log_scale[m] - log_scale[m - 1], log_scale[m + 1] - log_scale[m]];
-    (to(m - 1) * after + to(m) * before) / (before + after)
-}
-
-/// The cubic of Hermite: values at both ends, slopes there per width of the interval, place `t` from 0 to 1.
-fn cubic([from, to]: [f64; 2], [first, last]: [f64; 2], t: f64) -> f64 {
-    let u = 1.0 - t;
-    u * u * ((1.0 + 2.0 * t) * from + t * first) + t * t * ((1.0 + 2.0 * u) * to - u * last)
 }
 
 impl<const N: usize, const R: usize> Shadow<N, R> {
@@ -565,32 +503,6 @@ mod tests {
             // It is forgotten what was known of it, and nothing is learnt.
             assert!(not_measured.shadows.iter().all(|shadow| shadow.information[missing] == super::LEAST_INFORMATION));
         }
-    }
-
-    /// The evidence of the shadows is that of a parabola in the logarithm of the scale whose top lies between two of them, far
-    /// above the others: the scale in use is that of the top, and each level that of a straight line in the logarithms.
-    #[test]
-    fn a_scale_between_two_shadows_is_found() {
-        let mut bank = bank([0.2, 0.3, 0.5]);
-        let tenfold = core::f64::consts::LN_10;
-        for top in [-1.7, -0.5, -0.25] {
-            for m in 0..SHADOWS {
-                let decades = bank.log_scale[m] / tenfold;
-                bank.shadows[m].evidence = -400.0 * (decades - top).powi(2);
-                bank.shadows[m].variance = [10.0_f64.powf(-0.5 * decades); 3];
-            }
-            let (std, scale) = bank.weighted();
-            let found = libm::log(scale) / tenfold;
-            // Five steps between two shadows.
-            assert!((found - top).abs() < 0.11, "{found} {top}");
-            assert!((std[0] - 10.0_f64.powf(-0.25 * found)).abs() < 0.03 * std[0], "{std:?}");
-        }
-        // Where none is better than another, the scale is in their middle.
-        for shadow in &mut bank.shadows {
-            shadow.evidence = 3.0;
-        }
-        let middle = libm::log(bank.weighted().1) / tenfold;
-        assert!((-2.5..-1.0).contains(&middle), "{middle}");
     }
 
     /// What was learnt comes back where it was: each shadow its own.

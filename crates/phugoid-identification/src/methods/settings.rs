@@ -67,9 +67,9 @@ pub(super) fn shared_settings<M: Motion<N, R>, const N: usize, const R: usize, c
     settings.rejection_limit = (tuned.rejection_scale * settings.rejection_limit).max(settings.reaching_limit);
     settings.start_window_s = tuned.start_window_s.unwrap_or(settings.start_window_s);
     let states = M::AXES.states();
-    let densities = file.process_noise.in_flight(speed(prepared));
-    let density =
-        std::array::from_fn(|i| states.get(i).map_or(0.0, |o| densities[o.index()] * tuned.process_noise_scale));
+    let density = std::array::from_fn(|i| {
+        states.get(i).map_or(0.0, |o| file.process_noise.density[o.index()] * tuned.process_noise_scale)
+    });
     settings.process_noise =
         if file.process_noise.adaptive { ProcessNoise::adaptive(density) } else { ProcessNoise::fixed(density) };
     if let (true, Some(forgetting)) = (file.process_noise.adaptive, tuned.adaptation_gain) {
@@ -84,35 +84,23 @@ pub(super) fn shared_settings<M: Motion<N, R>, const N: usize, const R: usize, c
     Ok(settings)
 }
 
-/// The true airspeed of the first seconds, m/s, those that noise levels are measured from; none if it was not measured.
-fn speed<M: Motion<N, R>, const N: usize, const R: usize>(prepared: &Prepared<M, N, R>) -> Option<f64> {
-    let row = M::AXES.row(Output::TrueAirspeed);
-    let speed = |(y, input): (&[f64; R], &M::KnownInput)| {
-        row.map_or_else(|| M::known_channel(input, Output::TrueAirspeed), |row| Some(y[row]))
-    };
-    let samples = prepared.outputs.iter().zip(&prepared.inputs).take(prepared.noise_samples());
-    median(&mut samples.filter_map(speed).filter(|v| v.is_finite()).collect::<Vec<f64>>())
-}
-
 /// The settings of a filter that learns its noise levels, and the size of an adaptive process noise, in flight.
 ///
 /// The size of the process noise that the file gives decides nothing: the scales tried are those of light turbulence.
 /// Its shape, and that it does not adapt, hold as given.
 pub(super) fn learning<const N: usize, const R: usize, const P: usize>(
     settings: &EstimatorSettings<N, R, P>,
-    file: &ModelFile,
     axes: Axes,
     noise: &[NoiseLevel; R],
 ) -> EstimatorSettings<N, R, P> {
     let mut own = *settings;
     let mut learning = NoiseLearning::from_white(noise.map(|level| level.white));
-    // By how much the given process noise is larger than light turbulence, on average of the states that have both; where
-    // none is given it is light turbulence at the speed of the flight.
+    // By how much the given process noise is larger than light turbulence, on average of the states that have both.
     let usual = axes.states().iter().map(|state| LIGHT_TURBULENCE[state.index()]);
     let given = settings.process_noise.variance_per_s;
     let ratios: Vec<f64> =
         given.iter().zip(usual).filter(|(g, u)| **g > 0.0 && *u > 0.0).map(|(g, u)| (g / u).ln()).collect();
-    if file.process_noise.at_speed.is_none() && !ratios.is_empty() {
+    if !ratios.is_empty() {
         let size = (ratios.iter().sum::<f64>() / ratios.len() as f64).exp();
         learning.scales = learning.scales.map(|scale| scale / size);
     }

@@ -158,7 +158,7 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> St
         let gated = Gated::new(prepared.model.clone(), file);
         let method = task.method();
         let learns = file.noise_learning && method.learns_noise();
-        let settings = if learns { learning(&shared, file, M::AXES, noise) } else { shared };
+        let settings = if learns { learning(&shared, M::AXES, noise) } else { shared };
         let estimator = set_up(method, gated.clone(), &settings, file.aircraft.gravity)?;
         let monitoring = match health {
             Some(health) => Some(Monitoring::new(&prepared.model, file, &shared, health, learns)?),

@@ -133,7 +133,7 @@ fn parse(file: &str, text: &str) -> Result<ModelFile, ModelFileError> {
         expected: expected(&top, &parameters)?,
         parameters,
         reference: reference(&top, base)?,
-        process_noise: process_noise(&top, base, axes)?,
+        process_noise: process_noise(&top, axes)?,
         estimator: estimator(&top)?,
         simulation: simulation(&top)?,
         input,

@@ -1,7 +1,7 @@
 //! The settings of a model file for the estimation: process noise, estimator, input between samples.
 
 use crate::core::method::Method;
-use crate::core::output::{Output, STATE_CHANNELS};
+use crate::core::output::STATE_CHANNELS;
 
 /// The process noise of the states, which stands for gusts and model error.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -11,24 +11,6 @@ pub struct ProcessNoise {
     pub density: [f64; STATE_CHANNELS],
     /// True if a common factor on all densities is estimated from the residuals.
     pub adaptive: bool,
-    /// True airspeed, m/s, at which gusts make the densities of the flow angles; at another one they are those of the same
-    /// gusts. None: they hold at any speed.
-    pub at_speed: Option<f64>,
-}
-
-impl ProcessNoise {
-    /// The densities in flight at this true airspeed (m/s). A gust of `w` changes a flow angle by `w / V`, so that with
-    /// [`ProcessNoise::at_speed`] the densities of alpha and beta go with one over the square of the speed. A speed that
-    /// is not known, or not finite and positive, leaves them as they are.
-    pub fn in_flight(&self, speed: Option<f64>) -> [f64; STATE_CHANNELS] {
-        let speed = speed.filter(|speed| speed.is_finite() && *speed > 0.0);
-        let factor = self.at_speed.zip(speed).map_or(1.0, |(at, speed)| (at / speed).powi(2));
-        let mut density = self.density;
-        for angle in [Output::Alpha, Output::Beta] {
-            density[angle.index()] *= factor;
-        }
-        density
-    }
 }
 
 /// The table `[estimator]`: settings of the estimator that replace the automatic rule (`docs/tuning.md`).
@@ -75,33 +57,4 @@ pub enum InputHold {
     /// One of the two, found from when the aircraft of a record reacts to the surfaces, with their delay; held in a live
     /// session, which cannot look ahead.
     Auto,
-}
-
-#[cfg(test)]
-mod tests {
-    use crate::core::output::Output;
-    use crate::model_file::ModelFile;
-
-    /// Dryden's vertical gust has 3/2 of the density of that along the flight path, and makes `w / V` of angle of attack.
-    #[test]
-    fn the_usual_gusts_make_larger_flow_angles_in_slower_flight() {
-        let own = "axes = [\"longitudinal\"]\n[aircraft]\nmass = 1000\niyy = 2000\nwing_area = 16\nmean_chord = 1.5\n\
-                   thrust = { channel = \"thrust\" }\nair_density = 1.0\n[coefficients]\nCL = [\"1\", \"alpha\"]\n";
-        let usual = ModelFile::parse("own.toml", own).unwrap().process_noise;
-        let [along, alpha, beta] = [Output::TrueAirspeed, Output::Alpha, Output::Beta].map(Output::index);
-        for speed in [30.0, 60.0, 240.0] {
-            let density = usual.in_flight(Some(speed));
-            assert!((density[alpha] * speed * speed / density[along] - 1.5).abs() < 0.02, "{density:?}");
-            assert_eq!(density[alpha], density[beta]);
-        }
-        for unknown in [None, Some(f64::NAN), Some(0.0)] {
-            assert_eq!(usual.in_flight(unknown), usual.density);
-        }
-        // What a file gives, and the flights that the densities were made for, are as they are.
-        let given =
-            ModelFile::parse("own.toml", &format!("{own}[process_noise]\nalpha = 1e-5\n")).unwrap().process_noise;
-        assert_eq!(given.in_flight(Some(60.0)), given.density);
-        let study = ModelFile::named("f16").unwrap().process_noise;
-        assert_eq!(study.in_flight(Some(60.0)), study.density);
-    }
 }

@@ -85,16 +85,9 @@ pub(super) fn noise_learning(
     Ok(stated.unwrap_or(base == Base::None && unknown))
 }
 
-/// The speed at which gusts that are equally strong in all directions make the densities of [`LIGHT_TURBULENCE`], m/s. With
-/// Dryden's spectra of equal intensities and lengths (MIL-F-8785C, 3.7.2.1, above 530 m) the rate of the vertical gust has 3/2
-/// of the density of that along the flight path, and the angle of attack that over the square of the speed.
-const SPEED_OF_LIGHT_TURBULENCE: f64 = 202.0;
-
-pub(super) fn process_noise(top: &Section, base: Base, axes: Axes) -> Result<ProcessNoise, ModelFileError> {
+pub(super) fn process_noise(top: &Section, axes: Axes) -> Result<ProcessNoise, ModelFileError> {
     let Some(section) = top.section("process_noise")? else {
-        // The flights of the F-16 study are those that the densities were made for.
-        let at_speed = (base != Base::F16).then_some(SPEED_OF_LIGHT_TURBULENCE);
-        return Ok(ProcessNoise { density: LIGHT_TURBULENCE, adaptive: true, at_speed });
+        return Ok(ProcessNoise { density: LIGHT_TURBULENCE, adaptive: true });
     };
     section.allow("key", axes.states().iter().map(|o| o.name()).chain(["adaptive"]))?;
     let mut density = [0.0; STATE_CHANNELS];
@@ -109,5 +102,5 @@ pub(super) fn process_noise(top: &Section, base: Base, axes: Axes) -> Result<Pro
             return Err(section.error(output.name(), format!("`{}` is negative", output.name())));
         }
     }
-    Ok(ProcessNoise { density, adaptive: section.boolean("adaptive")?.unwrap_or(false), at_speed: None })
+    Ok(ProcessNoise { density, adaptive: section.boolean("adaptive")?.unwrap_or(false) })
 }
