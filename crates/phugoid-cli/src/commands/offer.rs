@@ -45,7 +45,7 @@ pub(crate) fn text(offer: &Offer) -> String {
             term.parameter.clone(),
             term.term.clone(),
             format!("{:.1}", term.partial_f),
-            format!("{:.1} %", 100.0 * term.share),
+            term.share.map_or_else(|| "-".to_owned(), |share| format!("{:.1} %", 100.0 * share)),
             term.excess.map_or_else(|| "-".to_owned(), |excess| format!("{:.1} %", 100.0 * excess)),
             significant(term.value, 4),
             significant(2.0 * term.std_error, 3),

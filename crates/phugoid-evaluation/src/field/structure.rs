@@ -417,7 +417,7 @@ pub(super) fn trial(flight: &Flight, method: Method, removed: Option<&str>) -> R
                 coefficient: term.coefficient.clone(),
                 term: term.term.clone(),
                 share: exact.share(&model, c, &t),
-                found_share: term.share,
+                found_share: term.share.unwrap_or(f64::NAN),
                 partial_f: term.partial_f,
                 excess: term.excess.unwrap_or(f64::INFINITY),
                 missing: term.asked_for,

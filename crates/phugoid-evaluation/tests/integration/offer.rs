@@ -45,7 +45,8 @@ fn adopted(estimation: &Estimation) -> usize {
 fn in_words(offer: &Offer) -> String {
     let term = |t: &OfferedTerm| {
         let (name, value, std) = (&t.parameter, t.value, t.std_error);
-        let (f, share, excess) = (t.partial_f, 100.0 * t.share, 100.0 * t.excess.unwrap_or(f64::NAN));
+        let (f, share, excess) =
+            (t.partial_f, 100.0 * t.share.unwrap_or(f64::NAN), 100.0 * t.excess.unwrap_or(f64::NAN));
         format!(
             "\n  {name} F {f:.1} share {share:.2} % explains {excess:.1} % = {value:.4} +- {std:.4}, {}",
             t.asked_for
@@ -100,6 +101,46 @@ fn a_moment_that_grows_with_alpha_squared_is_offered_and_explains_the_changes() 
     }
     println!("{runs} flights: {changes} changes adopted without the term, none with it");
     assert!(changes > 0);
+}
+
+/// A flight of JSBSim's `OV10`, whose pitching moment has a term of -8 by the rate of the angle of attack and whose model file has
+/// none: offered with its value by both filters, and by nothing else. The `pc7`'s file lacks other terms.
+#[test]
+fn the_rate_of_the_angle_of_attack_is_offered_by_the_filters() {
+    let field = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/field/develop/OV10");
+    let record = phugoid_flight_data::reader::read_path(&field.join("calm-short.csv"), &Default::default()).unwrap();
+    let text = std::fs::read_to_string(field.join("longitudinal.toml")).unwrap();
+    let run = |text: &str, method: Method, structure: StructureSearch| {
+        let options = EstimateOptions { method: Some(method), structure, ..EstimateOptions::default() };
+        estimate(&record, &model(text), &options, &mut |_| ()).unwrap()
+    };
+    for method in [Method::Smpe, Method::Ekf] {
+        let found = run(&text, method, StructureSearch::Offer);
+        let offer = found.offer.as_ref().unwrap();
+        let missing: Vec<&OfferedTerm> = offer.missing().collect();
+        let [term] = missing[..] else { panic!("{}", in_words(offer)) };
+        assert_eq!((term.coefficient.as_str(), term.term.as_str(), term.share), ("Cm", "alpha_dot_hat", None));
+        assert!((term.value + 8.0).abs() < 3.0 * term.std_error, "{}", in_words(offer));
+        assert!(found.parameters.iter().all(|p| p.name != "Cm_alpha_dot"));
+        assert!(found.verdict.iter().any(|s| s.contains("ask for alpha_dot_hat in Cm")), "{:?}", found.verdict);
+        // The lines are those of a model that has it, and then nothing is missing.
+        let lines: Vec<&str> = offer.lines.iter().map(|line| line.line.as_str()).collect();
+        let [coefficient, parameter] = lines[..] else { panic!("{lines:?}") };
+        let own = text.lines().find(|line| line.starts_with("Cm = ")).unwrap();
+        let with = format!("{}\n{parameter}\n", text.replace(own, coefficient));
+        let second = run(&with, method, StructureSearch::Offer);
+        assert!(second.offer.as_ref().is_none_or(|o| o.best().is_none()));
+        let auto = run(&text, method, StructureSearch::Auto);
+        assert!(auto.offer.as_ref().unwrap().taken);
+        assert_eq!(auto.parameters, second.parameters);
+    }
+    // A method that is not asked, and a moment that does not know the pitch rate.
+    let offered = |found: Estimation| found.offer.is_some_and(|o| o.missing().any(|t| t.term == "alpha_dot_hat"));
+    assert!(!offered(run(&text, Method::EquationError, StructureSearch::Offer)));
+    let without = text.replace("Cm = [\"1\", \"alpha\", \"q_hat\"", "Cm = [\"1\", \"alpha\"");
+    let without: String =
+        without.lines().filter(|line| !line.starts_with("Cm_q ")).map(|line| format!("{line}\n")).collect();
+    assert!(!offered(run(&without, Method::Smpe, StructureSearch::Offer)));
 }
 
 /// Every method finds it, and says what it does to the other parameters.

@@ -664,8 +664,9 @@ pub struct OfferedTerm {
     pub std_error: f64,
     /// Partial F: the square of value over standard error.
     pub partial_f: f64,
-    /// Share of the coefficient's motion that only this term makes, 0 to 1.
-    pub share: f64,
+    /// Share of the coefficient's motion that only this term makes, 0 to 1; none for a term that the method itself was tried
+    /// with, in place of the equations of motion.
+    pub share: Option<f64>,
     /// Part of the residual's squares beyond the noise of the sensors that it explains; none where there are none.
     pub excess: Option<f64>,
     /// True if the term counts as missing: all of [`OfferCriterion`] holds, and the method finds it in its own estimate

@@ -7,6 +7,7 @@
 //! equations, and what was measured.
 
 mod candidate;
+mod rate_of_alpha;
 mod selection;
 
 use phugoid_flight_data::printable::toml_string;
@@ -31,6 +32,7 @@ use crate::preparation::prepare::prepare;
 use crate::preparation::prepared::Prepared;
 pub(crate) use candidate::round_up;
 use candidate::{Candidate, candidates, with_terms};
+pub(crate) use rate_of_alpha::{found as rate_of_alpha, with_rate_of_alpha};
 use selection::{Criterion, Regression, Trial};
 
 /// Spacing of the rows of the equations, s: the windows of the smoothing are 0.4 s long.
@@ -129,7 +131,7 @@ fn offered(file: &ModelFile, candidate: &Candidate, trial: &Trial, asked_for: bo
         value: trial.value,
         std_error: trial.std_error,
         partial_f: trial.partial_f,
-        share: trial.share,
+        share: Some(trial.share),
         excess: Some(trial.excess).filter(|e| e.is_finite()),
         asked_for,
         prior_std: round_up(PRIOR * trial.value.abs()).unwrap_or(1.0),
@@ -358,16 +360,22 @@ pub(crate) fn sentence(offer: &Offer) -> Option<String> {
     let words = |t: &OfferedTerm| {
         let effect = offer.effects.iter().find(|e| e.parameter == t.parameter);
         let (value, std) = effect.map_or((t.value, t.std_error), |e| (e.after, e.after_std));
+        let evidence = match t.share {
+            Some(share) => format!(
+                "partial F {:.0} where {:.0} are enough, {:.0} % of the coefficient's motion",
+                t.partial_f,
+                offer.criterion.partial_f,
+                100.0 * share
+            ),
+            None => format!("{:.0} random errors from zero when the method is run with it", t.partial_f.sqrt()),
+        };
         format!(
-            "{} in {} ({} = {} +- {}, one sigma; partial F {:.0} where {:.0} are enough, {:.0} % of the coefficient's motion)",
+            "{} in {} ({} = {} +- {}, one sigma; {evidence})",
             t.term,
             t.coefficient,
             t.parameter,
             significant(value, DIGITS),
             significant(std, DIGITS),
-            t.partial_f,
-            offer.criterion.partial_f,
-            100.0 * t.share
         )
     };
     let missing: Vec<String> = offer.missing().map(words).collect();

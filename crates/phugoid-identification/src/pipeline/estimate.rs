@@ -10,7 +10,7 @@ use crate::core::health::HealthOptions;
 pub use crate::core::options::{CAPACITY, EstimateOptions, Method, StructureSearch, capacity};
 use crate::core::stack::on_a_large_stack;
 pub use crate::judge::offer::with_offered;
-use crate::judge::offer::{complete, confirm, missing_in_words, search, sentence};
+use crate::judge::offer::{complete, confirm, missing_in_words, rate_of_alpha, search, sentence, with_rate_of_alpha};
 use crate::judge::summary::summarise;
 use crate::methods::{EveryRoom, HealthRun, Task, run};
 use crate::model_file::ModelFile;
@@ -115,7 +115,10 @@ fn pipeline_of<M: EveryRoom<N, R>, const N: usize, const R: usize>(
         once::<M, N, R>(record, with, &options, health, &mut |done| progress(0.5 + 0.5 * done))
     };
     let before = first.as_ref().ok().map(|first| &first.estimation);
-    let confirmed = offer.as_mut().and_then(|offer| confirmed(offer, model, before, &mut run));
+    let confirmed = offer.as_mut().and_then(|offer| {
+        let method = options.method.unwrap_or(model.estimator.method);
+        confirmed(offer, model, before, &mut run).or_else(|| by_the_method(offer, model, method, before, &mut run))
+    });
     let taken = options.structure == StructureSearch::Auto && confirmed.is_some();
     let mut chosen = match (first, confirmed) {
         (_, Some(with)) if taken => with,
@@ -156,6 +159,22 @@ fn confirmed(
         }
     }
     None
+}
+
+/// Runs the method with the term that only it can be asked for, and puts that into the offer if it finds it: the run with it.
+fn by_the_method(
+    offer: &mut Offer,
+    model: &ModelFile,
+    method: Method,
+    before: Option<&Estimation>,
+    run: &mut dyn FnMut(&ModelFile) -> Result<Once, EstimateError>,
+) -> Option<Once> {
+    let with = with_rate_of_alpha(model, method).filter(|with| with.estimated().count() <= capacity(with.axes))?;
+    let after = run(&with).ok()?;
+    offer.tried += 1;
+    offer.terms.insert(0, rate_of_alpha(&with, &after.estimation)?);
+    complete(offer, model, &with, before, &after.estimation);
+    Some(after)
 }
 
 /// One run of a method.

@@ -54,7 +54,7 @@ pub(super) fn offer(estimation: &Estimation) -> String {
             escape(&term.parameter),
             escape(&term.term),
             fixed(term.partial_f, 1),
-            fixed(100.0 * term.share, 1),
+            term.share.map_or_else(dash, |share| fixed(100.0 * share, 1)),
             term.excess.map_or_else(dash, |excess| fixed(100.0 * excess, 1)),
             significant(term.value, 4),
             significant(term.std_error, 3),

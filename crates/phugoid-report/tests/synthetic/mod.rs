@@ -123,7 +123,7 @@ fn offer() -> Offer {
         value: 0.4987,
         std_error: 0.0123,
         partial_f,
-        share: 0.123,
+        share: Some(0.123),
         excess,
         asked_for: excess.is_some(),
         prior_std: 1.0,
