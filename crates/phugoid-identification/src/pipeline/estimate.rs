@@ -117,7 +117,8 @@ fn pipeline_of<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     let before = first.as_ref().ok().map(|first| &first.estimation);
     let confirmed = offer.as_mut().and_then(|offer| {
         let method = options.method.unwrap_or(model.estimator.method);
-        confirmed(offer, model, before, &mut run).or_else(|| by_the_method(offer, model, method, before, &mut run))
+        let confirmed = confirmed(offer, model, before, &mut run);
+        by_the_method(offer, model, method, before, &mut run).or(confirmed)
     });
     let taken = options.structure == StructureSearch::Auto && confirmed.is_some();
     let mut chosen = match (first, confirmed) {
@@ -161,7 +162,8 @@ fn confirmed(
     None
 }
 
-/// Runs the method with the term that only it can be asked for, and puts that into the offer if it finds it: the run with it.
+/// Runs the method with the term that only it can be asked for, beside those that are missing already, and puts that into the
+/// offer if it finds it: the run with all of them.
 fn by_the_method(
     offer: &mut Offer,
     model: &ModelFile,
@@ -169,7 +171,10 @@ fn by_the_method(
     before: Option<&Estimation>,
     run: &mut dyn FnMut(&ModelFile) -> Result<Once, EstimateError>,
 ) -> Option<Once> {
-    let with = with_rate_of_alpha(model, method).filter(|with| with.estimated().count() <= capacity(with.axes))?;
+    let with = with_rate_of_alpha(&with_offered(model, offer)?, method)?;
+    if with.estimated().count() > capacity(with.axes) {
+        return None;
+    }
     let after = run(&with).ok()?;
     offer.tried += 1;
     offer.terms.insert(0, rate_of_alpha(&with, &after.estimation)?);
