@@ -148,7 +148,7 @@ impl FleetTask {
 /// A campaign, of which any process can do any block.
 #[pyclass(frozen)]
 pub(crate) struct CampaignTask {
-    campaign: Campaign,
+    layout: Layout,
     blocks: Vec<Block>,
 }
 
@@ -159,8 +159,9 @@ impl CampaignTask {
     fn new(py: Python<'_>, file: PathBuf) -> PyResult<Self> {
         py.detach(|| {
             let campaign = Campaign::open(&file).map_err(raise)?;
-            let blocks = Layout::new(&campaign).and_then(|layout| layout.blocks()).map_err(raise)?;
-            Ok(Self { campaign, blocks })
+            let layout = Layout::new(&campaign).map_err(raise)?;
+            let blocks = layout.blocks().map_err(raise)?;
+            Ok(Self { layout, blocks })
         })
     }
 
@@ -182,10 +183,7 @@ impl CampaignTask {
     fn one(&self, py: Python<'_>, number: usize, store: PathBuf) -> PyResult<String> {
         let block = self.block(number)?;
         let store = Store::open(&store).map_err(raise)?;
-        let summary = py.detach(|| {
-            let layout = Layout::new(&self.campaign).map_err(raise)?;
-            campaign::run::one(&layout, block, &store).map_err(raise)
-        })?;
+        let summary = py.detach(|| campaign::run::one(&self.layout, block, &store)).map_err(raise)?;
         serde_json::to_string(&summary).map_err(raise)
     }
 }

@@ -1,10 +1,10 @@
 """Logs and stores behind addresses: the same rows as on a disk. The object store is moto's server in this process."""
 
 import urllib.request
-from pathlib import Path
 
 import phugoid
 import pytest
+from conftest import content
 
 fsspec = pytest.importorskip("fsspec")
 pytest.importorskip("s3fs", reason="pip install s3fs")
@@ -18,11 +18,6 @@ methods = ["smpe"]
 seeds = 6
 block = 3
 """
-
-
-def content(store):
-    """Every file of a store on the disk."""
-    return {str(file.relative_to(store)): file.read_bytes() for file in Path(store).rglob("*") if file.is_file()}
 
 
 @pytest.fixture
@@ -49,18 +44,6 @@ def files_in(address):
     files, folder = fsspec.core.url_to_fs(address)
     files.invalidate_cache()
     return {name[len(folder) + 1 :]: files.cat_file(name) for name in files.find(folder)}
-
-
-@pytest.fixture(scope="module")
-def logs(tmp_path_factory):
-    """Three flights, a copy of one, and a file that is no flight."""
-    folder = tmp_path_factory.mktemp("addresses") / "N17"
-    folder.mkdir()
-    for seed in (1, 2, 3):
-        phugoid.simulate("f16-calm", seed=seed)[0].write_csv(folder / f"flight-{seed}.csv")
-    (folder / "copy.csv").write_bytes((folder / "flight-1.csv").read_bytes())
-    (folder / "broken.csv").write_text("no flight\n1\n")
-    return folder
 
 
 def test_a_store_behind_an_address_holds_the_bytes_of_one_on_the_disk(logs, bucket, tmp_path):
@@ -136,3 +119,11 @@ def test_what_is_wrong_with_an_address_is_told_before_anything_is_estimated(logs
         phugoid.fleet_tell(f"{bucket}/nowhere")
     with pytest.raises(phugoid.PhugoidError, match="no-such-protocol"):
         phugoid.fleet(str(logs), "f16-model", "no-such-protocol://bucket/fleet")
+
+
+def test_an_object_cannot_lead_out_of_the_folder(logs, bucket):
+    phugoid.fleet(str(logs), "f16-model", f"{bucket}/fleet")
+    files, folder = fsspec.core.url_to_fs(f"{bucket}/fleet")
+    files.pipe_file(f"{folder}/estimates/../../../../outside.txt", b"not a row")
+    with pytest.raises(phugoid.PhugoidError, match="outside.txt"):
+        phugoid.fleet_tell(f"{bucket}/fleet")

@@ -14,6 +14,7 @@ import pandas
 import phugoid
 import polars
 import pytest
+from conftest import content
 
 
 @pytest.fixture(scope="module")
@@ -593,20 +594,14 @@ def test_tables_without_names_or_times(tmp_path):
     assert abs(record["az"][1] + 1.1 * 9.80665) < 1e-12
 
 
-def fleet_content(store):
-    return {str(file.relative_to(store)): file.read_bytes() for file in Path(store).rglob("*") if file.is_file()}
-
-
-@pytest.fixture(scope="module")
-def logs(tmp_path_factory):
-    """Three flights, a copy of one, and a file that is no flight."""
-    folder = tmp_path_factory.mktemp("fleet") / "N17"
-    folder.mkdir()
-    for seed in (1, 2, 3):
-        phugoid.simulate("f16-calm", seed=seed)[0].write_csv(folder / f"flight-{seed}.csv")
-    (folder / "copy.csv").write_bytes((folder / "flight-1.csv").read_bytes())
-    (folder / "broken.csv").write_text("no flight\n1\n")
-    return folder
+def test_a_campaign_that_was_changed_is_flown_as_it_is_now(tmp_path):
+    text = 'name = "grows"\nscenarios = ["hfb320"]\nmodels = ["hfb320"]\nmethods = ["smpe"]\nseeds = 1\n'
+    (tmp_path / "c.toml").write_text(text)
+    fly = lambda: phugoid.campaign(tmp_path / "c.toml", tmp_path / "store")
+    assert fly()["estimated"] == 1
+    (tmp_path / "c.toml").write_text(text.replace("seeds = 1", "seeds = 3"))
+    grown = fly()
+    assert (grown["files"], grown["found"], grown["estimated"]) == (3, 1, 2)
 
 
 def test_a_fleet_is_estimated_once_and_by_shards_alike(logs, tmp_path):
@@ -617,7 +612,7 @@ def test_a_fleet_is_estimated_once_and_by_shards_alike(logs, tmp_path):
     assert phugoid.fleet([logs], "f16-model", tmp_path / "whole")["found"] == 4
     for shard in ("2/2", "1/2"):
         phugoid.fleet(logs.glob("*"), "f16-model", tmp_path / "shards", shard=shard, workers=1)
-    assert fleet_content(tmp_path / "shards") == fleet_content(tmp_path / "whole")
+    assert content(tmp_path / "shards") == content(tmp_path / "whole")
     told = phugoid.fleet_tell(tmp_path / "whole", html=tmp_path / "fleet.html")
     assert [airframe["name"] for airframe in told["airframes"]] == ["N17"]
     assert "flight-3.csv" in (tmp_path / "fleet.html").read_text()
@@ -632,4 +627,4 @@ def test_ray_makes_the_store_that_this_machine_makes(logs, tmp_path):
     phugoid.fleet(str(logs), "f16-model", tmp_path / "local")
     summary = phugoid.fleet(str(logs), "f16-model", tmp_path / "ray", engine="ray", workers=2)
     assert (summary["estimated"], summary["refused"]) == (4, 1)
-    assert fleet_content(tmp_path / "ray") == fleet_content(tmp_path / "local")
+    assert content(tmp_path / "ray") == content(tmp_path / "local")

@@ -140,12 +140,15 @@ class RemoteStore:
     def fetch(self, here: str) -> None:
         """Copies the store into a folder.
 
-        :raises PhugoidError: if there is no store.
+        :raises PhugoidError: if there is no store, or an object whose name would lead out of the folder.
         """
         if self._mark() is None:
             raise PhugoidError(f"`{self.address}`: there is no store")
         for name in self._names(""):
-            path = os.path.join(here, *name.split("/"))
+            parts = name.split("/")
+            if any(part in ("", ".", "..") or os.path.basename(part) != part for part in parts):
+                raise PhugoidError(f"`{self.address}`: no store has an object called `{name}`. Remove it if it is not yours")
+            path = os.path.join(here, *parts)
             os.makedirs(os.path.dirname(path), exist_ok=True)
             self._files.get_file(self._path(name), path)
 

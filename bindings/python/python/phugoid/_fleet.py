@@ -8,11 +8,13 @@ import functools
 import json
 import os
 import tempfile
+import uuid
 from typing import Any, Callable, Iterable, Iterator, Optional, Sequence, Union
 
 from . import _phugoid
 from ._addresses import RemoteStore, content, is_address, names, on_this_machine
 from ._engine import chunks, engine as engine_of
+from ._phugoid import PhugoidError
 from ._progress import reporter
 
 #: Name, hash, bytes, and why it cannot be read.
@@ -77,7 +79,7 @@ def fleet(
         pieces = chunks(_pieces(task, work, place), run.workers)
         done = 0
         with reporter(progress, "logs") as report:
-            for piece, outcomes in run.each(_estimate, recipe, pieces):
+            for piece, outcomes in run.each(_estimate, (_this_call(), recipe), pieces):
                 done += len(piece)
                 for outcome in outcomes:
                     if outcome is None:
@@ -118,20 +120,22 @@ def campaign(
             there = RemoteStore(place).done()
         else:
             _phugoid.fleet_store(place)
-        task = _campaign_task(path)
+        call = _this_call()
+        task = _campaign_task(call, path)
         work, counted = task.plan(shard)
         summary: dict[str, Any] = json.loads(counted)
         asked, done = sum(size for _, size in work), 0
         rest = []
         for number, size in work:
-            if task.place(number) in there:
+            name = task.place(number)
+            if name in there:
                 summary["found"] += size
                 done += size
             else:
-                rest.append(number)
+                rest.append((number, name))
         sizes = dict(work)
         with reporter(progress, "flights") as report:
-            for number, outcome in run.each(_fly, (path, place), rest):
+            for (number, _), outcome in run.each(_fly, (call, path, place), rest):
                 done += sizes[number]
                 for key, count in outcome.items():
                     summary[key] += count
@@ -195,25 +199,31 @@ def _hash(_: None, some: list[str]) -> list[_Log]:
     return hashed
 
 
+def _this_call() -> str:
+    """What tells one call from the next: files may have changed between them, and processes of Ray outlive a call."""
+    return uuid.uuid4().hex
+
+
 @functools.lru_cache(maxsize=1)
-def _fleet_task(recipe: _Recipe) -> Any:
-    """The task, made once in each process: reading the model takes as long as a short log."""
+def _fleet_task(call: str, recipe: _Recipe) -> Any:
+    """The task, made once for a call in each process: reading the model takes as long as a short log."""
     return _phugoid.FleetTask(*recipe, begin=False)
 
 
 @functools.lru_cache(maxsize=1)
-def _campaign_task(file: str) -> Any:
-    """The campaign, read and laid out once in each process."""
+def _campaign_task(call: str, file: str) -> Any:
+    """The campaign, read and laid out once for a call in each process."""
     return _phugoid.CampaignTask(file)
 
 
-def _estimate(recipe: _Recipe, some: list[_Piece]) -> list[Optional[tuple[int, bool]]]:
+def _estimate(shared: tuple[str, _Recipe], some: list[_Piece]) -> list[Optional[tuple[int, bool]]]:
     """Does some logs: of each `None` where the store has it, else the number of rows and whether it was refused."""
+    call, recipe = shared
     model_name, model_text, place, method, segments, table = recipe
     outcomes: list[Optional[tuple[int, bool]]] = []
     with _beside(place) as here:
         if here == place:
-            task = _fleet_task(recipe)
+            task = _fleet_task(call, recipe)
         else:
             task = _phugoid.FleetTask(model_name, model_text, here, method, segments, table, begin=False)
         for log, is_found, _ in some:
@@ -228,11 +238,18 @@ def _estimate(recipe: _Recipe, some: list[_Piece]) -> list[Optional[tuple[int, b
     return outcomes
 
 
-def _fly(recipe: tuple[str, str], number: int) -> dict[str, int]:
-    """Does one block."""
-    file, place = recipe
+def _fly(shared: tuple[str, str, str], block: tuple[int, str]) -> dict[str, int]:
+    """Does one block, by its number and by where its rows are to stand.
+
+    :raises PhugoidError: if the files of the campaign are not those any more that it began with.
+    """
+    call, file, place = shared
+    number, name = block
+    task = _campaign_task(call, file)
+    if task.place(number) != name:
+        raise PhugoidError(f"`{file}`: the campaign or a file that it names has changed since it began. Begin it again")
     with _beside(place) as here:
-        outcome: dict[str, int] = json.loads(_campaign_task(file).one(number, here))
+        outcome: dict[str, int] = json.loads(task.one(number, here))
         if here != place:
             RemoteStore(place).send(here)
     return outcome
