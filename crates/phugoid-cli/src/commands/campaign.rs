@@ -28,7 +28,11 @@ pub(crate) fn run(arguments: &arguments::Campaign) -> Result<(), Failure> {
     let campaign = Campaign::open(&arguments.file).map_err(Failure::input)?;
     let layout = Layout::new(&campaign).map_err(Failure::input)?;
     let blocks = layout.blocks().map_err(Failure::input)?;
-    super::fleet::refuse_address(&arguments.store)?;
+    // With every engine: the scores are read here.
+    super::fleet::refuse_address(
+        &arguments.store,
+        "in Python phugoid.campaign(..., store=...), which gives no scores",
+    )?;
     let (store, summary) = match &arguments.engine {
         Engine::Local => {
             let store = Store::create(&arguments.store)?;

@@ -70,7 +70,7 @@ fn estimate(arguments: &Estimating) -> Result<(), Failure> {
             text(&summary, folder)
         });
     }
-    refuse_address(folder)?;
+    refuse_address(folder, "--engine ray, or in Python phugoid.fleet(..., store=...)")?;
     let task = Task::open(model, arguments.method, arguments.segments.into()).map_err(Failure::input)?;
     let table = arguments.flights.as_deref().map(FlightTable::open).transpose().map_err(Failure::input)?;
     let logs = files(&arguments.logs).map_err(Failure::input)?;
@@ -90,12 +90,11 @@ fn estimate(arguments: &Estimating) -> Result<(), Failure> {
     deliver(&summary, arguments.delivery.json, arguments.delivery.out.as_deref(), || text(&summary, folder))
 }
 
-/// This program writes to disks. A path with `://` in it would make folders of that name.
-pub(super) fn refuse_address(store: &Path) -> Result<(), Failure> {
+/// This program reads and writes disks. A path with `://` in it would make folders of that name. `instead`: what reaches it.
+pub(super) fn refuse_address(store: &Path, instead: &str) -> Result<(), Failure> {
     match store.to_str().filter(|word| word.contains("://")) {
         Some(word) => Err(Failure::input(format!(
-            "--store {word}: stores behind addresses are reached by the Python package: --engine ray, or in Python \
-             phugoid.fleet(..., store=\"{word}\") and phugoid.campaign(..., store=\"{word}\")"
+            "--store {word}: stores behind addresses are reached by the Python package: {instead}"
         ))),
         None => Ok(()),
     }
