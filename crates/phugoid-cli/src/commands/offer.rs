@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use phugoid_identification::estimate::tried_by_the_method;
 use phugoid_identification::estimation::{ModelLine, Offer};
 
 use super::result::paragraph;
@@ -29,7 +30,11 @@ pub(crate) fn text(offer: &Offer) -> String {
         100.0 * criterion.excess,
         levels.collect::<Vec<_>>().join(", ")
     );
-    paragraph(&mut text, "Terms that the equations of motion ask for", std::iter::once(why));
+    paragraph(
+        &mut text,
+        "Terms that the equations of motion ask for",
+        std::iter::once(why).chain(tried_by_the_method(offer)),
+    );
     let mut table = Table::new(&[
         "parameter",
         "term",
@@ -41,14 +46,16 @@ pub(crate) fn text(offer: &Offer) -> String {
         "missing",
     ]);
     for term in &offer.terms {
+        // A term that the method was run with is in no regression.
+        let in_regression = |number: String| if term.share.is_some() { number } else { "-".to_owned() };
         table.row(vec![
             term.parameter.clone(),
             term.term.clone(),
-            format!("{:.1}", term.partial_f),
+            in_regression(format!("{:.1}", term.partial_f)),
             term.share.map_or_else(|| "-".to_owned(), |share| format!("{:.1} %", 100.0 * share)),
             term.excess.map_or_else(|| "-".to_owned(), |excess| format!("{:.1} %", 100.0 * excess)),
-            significant(term.value, 4),
-            significant(2.0 * term.std_error, 3),
+            in_regression(significant(term.value, 4)),
+            in_regression(significant(2.0 * term.std_error, 3)),
             if term.asked_for { "yes" } else { "no" }.to_owned(),
         ]);
     }

@@ -590,7 +590,7 @@ pub struct TotalDerivative {
 /// The result of looking for terms that the model does not have.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Offer {
-    /// Number of terms that were tried.
+    /// Number of terms that were tried on the equations of motion.
     pub tried: usize,
     /// From when on a term counts as missing.
     pub criterion: OfferCriterion,
@@ -658,9 +658,10 @@ pub struct OfferedTerm {
     pub input: Option<String>,
     /// Name of its parameter, e.g. `dCm_alpha2`.
     pub parameter: String,
-    /// Value in a regression on the equations of motion, per radian to the power of the term.
+    /// Value in a regression on the equations of motion, per radian to the power of the term; without a share that of the method.
     pub value: f64,
-    /// One-sigma error of it, corrected for the colour of the residuals and for noise in the regressors.
+    /// One-sigma error of it, corrected for the colour of the residuals and for noise in the regressors; of the method its random
+    /// part.
     pub std_error: f64,
     /// Partial F: the square of value over standard error.
     pub partial_f: f64,
@@ -670,7 +671,7 @@ pub struct OfferedTerm {
     /// Part of the residual's squares beyond the noise of the sensors that it explains; none where there are none.
     pub excess: Option<f64>,
     /// True if the term counts as missing: all of [`OfferCriterion`] holds, and the method finds it in its own estimate
-    /// with this sign, three standard errors from zero.
+    /// with this sign, three standard errors from zero; without a share, the method finds it six random errors from zero.
     pub asked_for: bool,
     /// One sigma of what is known of its parameter beforehand, as the line for the model file says it.
     pub prior_std: f64,

@@ -32,7 +32,7 @@ use crate::preparation::prepare::prepare;
 use crate::preparation::prepared::Prepared;
 pub(crate) use candidate::round_up;
 use candidate::{Candidate, candidates, with_terms};
-pub(crate) use rate_of_alpha::{found as rate_of_alpha, with_rate_of_alpha};
+pub(crate) use rate_of_alpha::{found as found_rate_of_alpha, with_rate_of_alpha};
 use selection::{Criterion, Regression, Trial};
 
 /// Spacing of the rows of the equations, s: the windows of the smoothing are 0.4 s long.
@@ -353,6 +353,19 @@ fn lines(offer: &Offer, file: &ModelFile, with: &ModelFile) -> Vec<ModelLine> {
 pub(crate) fn missing_in_words(offer: &Offer) -> String {
     let words: Vec<String> = offer.missing().map(|t| format!("{} in {}", t.term, t.coefficient)).collect();
     words.join(", and for ")
+}
+
+/// What an offer has to say of a term that the method itself was tried with, beside how terms are tried on the equations of motion;
+/// none without such a term.
+pub fn tried_by_the_method(offer: &Offer) -> Option<String> {
+    let own = offer.missing().find(|term| term.share.is_none())?;
+    Some(format!(
+        "{} in {} was not tried on the equations of motion, where the rate of a measured angle is too noisy: the method was run with \
+         it, and it counts from {} random errors on.",
+        own.term,
+        own.coefficient,
+        rate_of_alpha::FAR
+    ))
 }
 
 /// The sentence of the verdict about the missing terms; none if there are none.

@@ -9,8 +9,10 @@ use crate::core::estimation::{Estimation, Offer};
 use crate::core::health::HealthOptions;
 pub use crate::core::options::{CAPACITY, EstimateOptions, Method, StructureSearch, capacity};
 use crate::core::stack::on_a_large_stack;
-pub use crate::judge::offer::with_offered;
-use crate::judge::offer::{complete, confirm, missing_in_words, rate_of_alpha, search, sentence, with_rate_of_alpha};
+use crate::judge::offer::{
+    complete, confirm, found_rate_of_alpha, missing_in_words, search, sentence, with_rate_of_alpha,
+};
+pub use crate::judge::offer::{tried_by_the_method, with_offered};
 use crate::judge::summary::summarise;
 use crate::methods::{EveryRoom, HealthRun, Task, run};
 use crate::model_file::ModelFile;
@@ -176,8 +178,7 @@ fn by_the_method(
         return None;
     }
     let after = run(&with).ok()?;
-    offer.tried += 1;
-    offer.terms.insert(0, rate_of_alpha(&with, &after.estimation)?);
+    offer.terms.insert(0, found_rate_of_alpha(&with, &after.estimation)?);
     complete(offer, model, &with, before, &after.estimation);
     Some(after)
 }

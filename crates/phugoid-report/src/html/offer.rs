@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use phugoid_identification::estimate::tried_by_the_method;
 use phugoid_identification::estimation::{Estimation, ModelLine, Offer};
 
 use super::page::{END_OF_TABLE, table};
@@ -31,6 +32,9 @@ pub(super) fn offer(estimation: &Estimation) -> String {
         fixed(100.0 * criterion.excess, 0),
         levels.collect::<Vec<_>>().join(", ")
     );
+    if let Some(sentence) = tried_by_the_method(offer) {
+        let _ = writeln!(out, "<p>{}</p>", escape(&sentence));
+    }
     if offer.terms.is_empty() {
         return out + "<p>There was none left to try.</p>\n";
     }
@@ -46,6 +50,8 @@ pub(super) fn offer(estimation: &Estimation) -> String {
     ]));
     let dash = || "\u{2013}".to_owned();
     for term in &offer.terms {
+        // A term that the method was run with is in no regression.
+        let in_regression = |number: String| if term.share.is_some() { number } else { dash() };
         let (class, word) = if term.asked_for { (" bad", "yes") } else { ("", "no") };
         let _ = writeln!(
             out,
@@ -53,11 +59,11 @@ pub(super) fn offer(estimation: &Estimation) -> String {
              <td class=\"n\">{}</td><td class=\"n\">{}</td><td><span class=\"status{class}\">{word}</span></td></tr>",
             escape(&term.parameter),
             escape(&term.term),
-            fixed(term.partial_f, 1),
+            in_regression(fixed(term.partial_f, 1)),
             term.share.map_or_else(dash, |share| fixed(100.0 * share, 1)),
             term.excess.map_or_else(dash, |excess| fixed(100.0 * excess, 1)),
-            significant(term.value, 4),
-            significant(term.std_error, 3),
+            in_regression(significant(term.value, 4)),
+            in_regression(significant(term.std_error, 3)),
         );
     }
     out.push_str(END_OF_TABLE);

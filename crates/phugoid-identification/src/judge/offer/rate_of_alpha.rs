@@ -11,40 +11,40 @@ use super::candidate::{Candidate, with_terms};
 use crate::core::axes::Axes;
 use crate::core::estimation::{Estimation, OfferedTerm};
 use crate::core::method::Method;
-use crate::core::term::Coefficient;
+use crate::core::term::{Coefficient, Term};
 use crate::model_file::{Base, ModelFile};
 
 const TERM: &str = "alpha_dot_hat";
-/// One sigma of what is known of the derivative beforehand: of 26 published models of aircraft, most in JSBSim, half lie between
+/// One sigma of what is known of the derivative beforehand: of 25 aircraft of JSBSim that have it as one number 20 lie between
 /// -12 and -4, and none below -30.
 const PRIOR: f64 = 8.0;
 /// The largest derivative that is believed; it is negative, for a tail behind the wing.
 const LARGEST: f64 = 40.0;
-/// Random errors that it has to lie from zero. Flights of fast aircraft, whose models lack other terms, show up to six of them with
-/// a wrong sign (docs/field.md).
-const FAR: f64 = 6.0;
+/// Random errors that it has to lie from zero. They do not hold what other missing terms do to it: of fast aircraft it comes out
+/// far from zero with the wrong sign, by tens of them, which is why the sign counts as well (docs/methods.md).
+pub(super) const FAR: f64 = 6.0;
 
 fn candidate() -> Candidate {
     Candidate { coefficient: Coefficient::PitchingMoment, text: TERM.to_owned(), input: None, rank: 0 }
 }
 
-/// The model with the term, to be run once more; none where it cannot have it: only the longitudinal motion alone knows `alpha'`,
-/// a database has its own, and it is told from nothing where the pitching moment has no `q_hat`. Only the methods that follow the
-/// motion sample by sample are asked.
+/// The model with the term, to be run once more; none where it cannot have it or has `alpha'` already: only the longitudinal motion
+/// alone knows it, a database has its own, and where the pitching moment has no `q_hat` it would stand for that. Only the methods that
+/// follow the motion sample by sample are asked.
 pub(crate) fn with_rate_of_alpha(file: &ModelFile, method: Method) -> Option<ModelFile> {
     let follows = matches!(method, Method::Smpe | Method::Ekf);
     if !(follows && file.axes == Axes::Longitudinal && file.base == Base::None) {
         return None;
     }
-    let term = candidate().term(&file.extra_inputs)?;
-    let rate_of_pitch = Candidate { text: "q_hat".to_owned(), ..candidate() }.term(&file.extra_inputs)?;
-    let mut of_moment = file.terms(Coefficient::PitchingMoment);
-    if !of_moment.any(|own| *own == rate_of_pitch)
-        || file.terms(Coefficient::Lift).chain(file.terms(Coefficient::PitchingMoment)).any(|own| *own == term)
-    {
-        return None;
-    }
-    with_terms(file, &[(&candidate(), PRIOR)], f64::NAN)
+    let has = |coefficient, text| {
+        let term = Term::parse(text, &file.extra_inputs);
+        file.terms(coefficient).any(|own| term.as_ref().is_ok_and(|term| own == term))
+    };
+    let is_there = [Coefficient::Lift, Coefficient::PitchingMoment].into_iter().any(|c| has(c, TERM));
+    // The term needs no reference speed.
+    (has(Coefficient::PitchingMoment, "q_hat") && !is_there)
+        .then(|| with_terms(file, &[(&candidate(), PRIOR)], f64::NAN))
+        .flatten()
 }
 
 /// The term, where the estimation with it finds it: negative, no larger than any aircraft has it, and far from zero.
