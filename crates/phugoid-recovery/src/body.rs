@@ -38,6 +38,14 @@ struct BodyTerm {
     fixed: Option<f64>,
 }
 
+impl BodyTerm {
+    /// Value of its parameter and one standard error; none where it is neither estimated nor fixed.
+    fn known(&self, parameters: &[Increment]) -> Option<[f64; 2]> {
+        let found = parameters.iter().find(|found| found.name == self.parameter);
+        found.map(|found| [found.value, found.std_error]).or(self.fixed.map(|value| [value, 0.0]))
+    }
+}
+
 impl Body {
     /// The body of a model file in absolute form.
     ///
@@ -160,13 +168,8 @@ pub fn whole(
     at[Variable::Rudder.index()] = trim.rudder_rad - rudder;
     let mut model = LocalModel { alpha: trim.alpha_rad, speed, gravity: body.gravity, ..LocalModel::default() };
     let mut variance = LocalModel::default();
-    for BodyTerm { parameter, coefficient, term, fixed } in &body.terms {
-        let found = parameters.iter().find(|found| found.name == *parameter);
-        let (value, std_error) = match (found, fixed) {
-            (Some(found), _) => (found.value, found.std_error),
-            (None, Some(value)) => (*value, 0.0),
-            (None, None) => continue,
-        };
+    for own @ BodyTerm { coefficient, term, .. } in &body.terms {
+        let Some([value, std_error]) = own.known(parameters) else { continue };
         let slope = |variable: &Variable| (variable.short_name(), term.slope(variable.index(), &at));
         let parts = Variable::OF_DERIVATIVES.iter().map(slope);
         for (variable, part) in parts.chain([("0", term.value(&at))]) {
@@ -247,14 +250,9 @@ pub fn rectified(body: &Body, parameters: &[Increment], flown: &[Instant], densi
     };
     let at_mean = factors(&mean);
     let (mut sums, mut squares) = ([0.0; AXES], [0.0; AXES]);
-    for BodyTerm { parameter, coefficient, term, fixed } in &body.terms {
+    for own @ BodyTerm { coefficient, term, .. } in &body.terms {
         let Some(axis) = ["Cl", "Cm", "Cn"].iter().position(|symbol| *symbol == coefficient.symbol()) else { continue };
-        let found = parameters.iter().find(|found| found.name == *parameter);
-        let (value, std_error) = match (found, fixed) {
-            (Some(found), _) => (found.value, found.std_error),
-            (None, Some(value)) => (*value, 0.0),
-            (None, None) => continue,
-        };
+        let Some([value, std_error]) = own.known(parameters) else { continue };
         let on_average: f64 = flown.iter().map(|row| term.value(&factors(row))).sum::<f64>() / count;
         let beyond = on_average - term.value(&at_mean);
         for i in 0..AXES {

@@ -60,6 +60,27 @@ fn content(store: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     files
 }
 
+/// Starts the program again and again and kills it, each time after another time, until one start ends by itself; how many were
+/// killed. `after` makes a time of a number between 0 and 1 that covers the range evenly.
+fn killed_until_it_ends(folder: &Folder, arguments: &[&str], after: impl Fn(f64) -> Duration) -> usize {
+    for attempt in 0..60 {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_phugoid"))
+            .current_dir(&folder.0)
+            .args(arguments)
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        std::thread::sleep(after((attempt as f64 * 0.618_034).fract()));
+        if child.try_wait().unwrap().is_some() {
+            return attempt;
+        }
+        child.kill().unwrap();
+        child.wait().unwrap();
+    }
+    panic!("no end after 60 starts");
+}
+
 #[test]
 fn a_run_that_is_killed_again_and_again_ends_like_an_undisturbed_one() {
     let folder = Folder::new("fleet-kill");
@@ -68,27 +89,10 @@ fn a_run_that_is_killed_again_and_again_ends_like_an_undisturbed_one() {
     let whole = fleet(&folder.0, "whole", &["--workers", "1"]);
     let lasted = begun.elapsed();
     assert_eq!((&whole["estimated"], &whole["refused"], &whole["copies"]), (&14.into(), &2.into(), &1.into()));
-    // Killed at times that cover the whole run, whatever its length, until it has nothing left to do.
-    let mut kills = 0;
-    for attempt in 0.. {
-        assert!(attempt < 60, "no end after {attempt} starts");
-        let mut child = Command::new(env!("CARGO_BIN_EXE_phugoid"))
-            .current_dir(&folder.0)
-            .args(["fleet", "logs", "--model", "hfb320", "--store", "killed", "--workers", "2"])
-            .stdout(Stdio::null())
-            .stderr(Stdio::null())
-            .spawn()
-            .unwrap();
-        // A part of the run between 5 % and 45 %, another one each time.
-        let part = 0.05 + 0.4 * (f64::from(attempt) * 0.618_034).fract();
-        std::thread::sleep(Duration::from_secs_f64(lasted.as_secs_f64() * part));
-        if child.try_wait().unwrap().is_some() {
-            break;
-        }
-        child.kill().unwrap();
-        child.wait().unwrap();
-        kills += 1;
-    }
+    // Killed at times that cover the whole run, whatever its length, until it has nothing left to do: at a part of the run between
+    // 5 % and 45 %, another one each time.
+    let arguments = ["fleet", "logs", "--model", "hfb320", "--store", "killed", "--workers", "2"];
+    let kills = killed_until_it_ends(&folder, &arguments, |turn| lasted.mul_f64(0.05 + 0.4 * turn));
     assert!(kills >= 2, "killed {kills} times only");
     assert_eq!(content(&folder.0.join("killed")), content(&folder.0.join("whole")));
     leave(&folder.0.join("killed"), "fleet");
@@ -311,25 +315,8 @@ fn a_campaign_in_blocks_is_the_same_whoever_flies_it_and_however_often_it_is_kil
         assert_eq!(content(&folder.0.join(store)), files, "{store}");
     }
     // Killed again and again, it ends where the undisturbed one did.
-    let mut kills = 0;
-    for attempt in 0.. {
-        assert!(attempt < 60, "no end after {attempt} starts");
-        let mut child = Command::new(env!("CARGO_BIN_EXE_phugoid"))
-            .current_dir(&folder.0)
-            .args(["campaign", "c.toml", "--store", "killed", "--workers", "1"])
-            .stdout(Stdio::null())
-            .stderr(Stdio::null())
-            .spawn()
-            .unwrap();
-        let part = 0.3 + 0.5 * (f64::from(attempt) * 0.618_034).fract();
-        std::thread::sleep(Duration::from_secs_f64(lasted.as_secs_f64() * part));
-        if child.try_wait().unwrap().is_some() {
-            break;
-        }
-        child.kill().unwrap();
-        child.wait().unwrap();
-        kills += 1;
-    }
+    let arguments = ["campaign", "c.toml", "--store", "killed", "--workers", "1"];
+    let kills = killed_until_it_ends(&folder, &arguments, |turn| lasted.mul_f64(0.3 + 0.5 * turn));
     assert!(kills >= 1, "it was never killed");
     assert_eq!(content(&folder.0.join("killed")), files);
     let again = run("killed", &[]);

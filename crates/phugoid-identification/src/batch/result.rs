@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::fit::OutputFit;
+use crate::core::correlation::correlation;
 
 /// The kind of an unknown, with its positions in the model and in the list of manoeuvres, all counted from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -141,11 +142,6 @@ impl BatchFit {
 
     /// Correlation matrix of the errors of the unknowns, row and column in the order of [`unknowns`](Self::unknowns).
     pub fn correlation(&self) -> Vec<Vec<f64>> {
-        let c = &self.covariance;
-        let entry = |i: usize, j: usize| {
-            let scale = (c[i][i] * c[j][j]).sqrt();
-            if i == j { 1.0 } else { (c[i][j] / scale).clamp(-1.0, 1.0) }
-        };
-        (0..c.len()).map(|i| (0..c.len()).map(|j| entry(i, j)).collect()).collect()
+        correlation(&self.covariance)
     }
 }

@@ -2,6 +2,7 @@
 //! beyond their own conversions.
 
 pub mod axes;
+pub(crate) mod correlation;
 pub mod error;
 pub mod estimation;
 pub mod health;

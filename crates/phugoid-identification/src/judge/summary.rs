@@ -5,6 +5,7 @@ use phugoid_flight_data::quality::{Finding, QualityReport};
 use phugoid_flight_data::record::Record;
 
 use crate::core::axes::Axes;
+use crate::core::correlation::correlation;
 use crate::core::estimation::{
     AdoptedChange, ChangedParameter, Estimation, FinalStatus, History, OutputConsistency, ParameterHistory,
     ParameterResult, Signal, status_of,
@@ -36,7 +37,7 @@ pub(crate) fn summarise<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     for (result, (_, column)) in parameters.iter_mut().zip(&columns).filter(|_| run.batch.is_none()) {
         result.readiness = column.map(|j| readiness(j, &run.columns[j].verdict, &estimated, &file.extra_inputs));
     }
-    let correlation = correlation(&columns, &run.covariance);
+    let correlation = correlation_of(&columns, &run.covariance);
     let history = history(task, &columns, run);
     if run.batch.is_some() {
         // A batch method uses all samples at once: there is no time of convergence.
@@ -213,13 +214,12 @@ fn converged_at(time: &[f64], start_s: f64, values: &[f64], goal: f64) -> Option
     Some(time.get(first)? - start_s)
 }
 
-fn correlation(columns: &[(&Parameter, Option<usize>)], covariance: &[Vec<f64>]) -> Vec<Vec<f64>> {
+/// The correlation of all parameters; one that is fixed goes with nothing.
+fn correlation_of(columns: &[(&Parameter, Option<usize>)], covariance: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let estimated = correlation(covariance);
     let entry = |a: Option<usize>, b: Option<usize>, same: bool| match (a, b) {
         _ if same => 1.0,
-        (Some(a), Some(b)) => {
-            let scale = (covariance[a][a] * covariance[b][b]).sqrt();
-            if scale > 0.0 { (covariance[a][b] / scale).clamp(-1.0, 1.0) } else { 0.0 }
-        }
+        (Some(a), Some(b)) => estimated[a][b],
         _ => 0.0,
     };
     let row = |i: usize| columns.iter().enumerate().map(|(j, c)| entry(columns[i].1, c.1, i == j)).collect();

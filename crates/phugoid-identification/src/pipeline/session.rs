@@ -23,6 +23,7 @@ use phugoid_flight_data::channels;
 use phugoid_flight_data::record::{Channel, Quantity, Record};
 use serde::{Deserialize, Serialize};
 
+use crate::core::correlation::correlation;
 use crate::core::error::EstimateError;
 use crate::core::estimation::{Event, ParameterReadiness};
 use crate::core::method::Method;
@@ -312,19 +313,7 @@ impl Session {
     /// of the [`Snapshot`] it makes the covariance that a function of several parameters needs.
     pub fn correlation(&self) -> Option<Vec<Vec<f64>>> {
         self.snapshot.as_ref()?;
-        let covariance = self.course.as_ref()?.covariance();
-        let deviation: Vec<f64> = (0..covariance.len()).map(|j| covariance[j][j].sqrt()).collect();
-        let entry = |j: usize, k: usize| {
-            let of = deviation[j] * deviation[k];
-            if j == k {
-                1.0
-            } else if of > 0.0 {
-                (covariance[j][k] / of).clamp(-1.0, 1.0)
-            } else {
-                0.0
-            }
-        };
-        Some((0..covariance.len()).map(|j| (0..covariance.len()).map(|k| entry(j, k)).collect()).collect())
+        Some(correlation(&self.course.as_ref()?.covariance()))
     }
 
     /// The events since the last call, in order of time: suspected and adopted changes, gaps, restarts.
