@@ -13,6 +13,7 @@ mod pickle;
 mod record;
 mod session;
 mod studies;
+mod thesis;
 
 use pyo3::prelude::*;
 
@@ -34,6 +35,9 @@ fn _phugoid(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(studies::simulate, module)?)?;
     module.add_function(wrap_pyfunction!(studies::compare, module)?)?;
     module.add_function(wrap_pyfunction!(studies::names, module)?)?;
+    module.add_function(wrap_pyfunction!(thesis::case_toml, module)?)?;
+    module.add_function(wrap_pyfunction!(thesis::cases, module)?)?;
+    module.add_function(wrap_pyfunction!(thesis::reproduce, module)?)?;
     #[cfg(feature = "fleet")]
     {
         module.add_class::<fleet::CampaignTask>()?;

@@ -80,3 +80,20 @@ pub fn case_text(id: &str) -> Option<&'static str> {
     ];
     files.into_iter().flatten().find(|(known, _)| *known == id).map(|(_, text)| *text)
 }
+
+/// The id of the entry whose title the text of a case file bears without being its text; `None` for the text itself, and for a
+/// title that no entry has. A copy with other numbers is not the case of the thesis, whatever its title says.
+///
+/// ```
+/// let text = phugoid_thesis::case_text("first-order/1").ok_or("a case")?;
+/// assert_eq!(phugoid_thesis::changed_from(text), None);
+/// assert_eq!(phugoid_thesis::changed_from(&text.replace("start", "#")), Some("first-order/1"));
+/// # Ok::<(), &str>(())
+/// ```
+pub fn changed_from(text: &str) -> Option<&'static str> {
+    let title = |text: &str| text.lines().find(|line| line.starts_with("title")).map(str::to_owned);
+    let own = title(text)?;
+    let known = entries().into_iter().filter_map(|entry| Some((entry.id, case_text(entry.id)?)));
+    let same = known.filter(|(_, known)| title(known).is_some_and(|known| known == own)).collect::<Vec<_>>();
+    same.iter().all(|(_, known)| known.trim_end() != text.trim_end()).then(|| same.first().map(|(id, _)| *id))?
+}

@@ -7,7 +7,7 @@ use phugoid_flight_data::record::Record;
 use phugoid_identification::estimate::{EstimateOptions, StructureSearch, estimate};
 use phugoid_identification::estimation::{EstimationStatus, UncertainQuantity};
 use phugoid_identification::method::Method;
-use phugoid_identification::model_file::{ModelFile, Thrust};
+use phugoid_identification::model_file::{DatabasePart, ModelFile, Thrust};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use serde::Serialize;
@@ -262,7 +262,7 @@ fn run(flight: &Flight, method: Method, sizes: &[f64; SITES.len()]) -> Option<(V
             value: found.value,
             random_std: found.random_std(),
             followed_std: found.systematic_std,
-            powers_std: model.systematic_part(declared) * found.value.abs(),
+            powers_std: model.by_powers(declared, &DatabasePart::default()).std(found.value),
         });
     }
     Some((parameters, named))

@@ -150,6 +150,8 @@ pub struct Lacking {
     pub other_channels: Vec<String>,
     /// Findings of the reader of the record about the missing channels and the vehicle, with what to do.
     pub findings: Vec<String>,
+    /// Where the model can do without some of the missing channels: a sentence with the line to write in the model file.
+    pub dispensable: Option<String>,
 }
 
 fn missing_channel(
@@ -157,7 +159,7 @@ fn missing_channel(
     channel: &str,
     present: &[String],
     nearest: Option<&str>,
-    Lacking { other_channels, findings }: &Lacking,
+    Lacking { other_channels, findings, dispensable }: &Lacking,
 ) -> String {
     let mut text = format!("{record}: channel `{channel}` is missing");
     if let Some(near) = nearest {
@@ -168,14 +170,22 @@ fn missing_channel(
     }
     let present = present.join(", ");
     if !findings.is_empty() {
-        text.push_str(&format!(".\n  {}\nChannels in the record: {present}", findings.join("\n  ")));
+        text.push_str(&format!(".\n  {}", findings.join("\n  ")));
+        if let Some(dispensable) = dispensable {
+            text.push_str(&format!("\n  {dispensable}"));
+        }
+        text.push_str(&format!("\nChannels in the record: {present}"));
         return text;
     }
     let synonyms = by_name(channel).map_or(&[][..], |spec| spec.synonyms);
     let or = if synonyms.is_empty() { String::new() } else { format!(" (or {})", synonyms.join(", ")) };
     text.push_str(&format!(
         ". Name a column `{channel}`{or} with its unit, or map one in the model file: [channels] {channel} = \"your \
-         header\". Channels in the record: {present}"
+         header\"."
     ));
+    if let Some(dispensable) = dispensable {
+        text.push_str(&format!(" {dispensable}"));
+    }
+    text.push_str(&format!(" Channels in the record: {present}"));
     text
 }

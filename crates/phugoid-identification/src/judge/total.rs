@@ -21,6 +21,7 @@ use crate::core::output::Output;
 use crate::core::term::{Coefficient, Term, Variable};
 use crate::model_file::{Base, ModelFile, Parameter, RateSpeed, Role};
 use crate::motion::Motion;
+use crate::preparation::database_part::Condition;
 use crate::preparation::prepare::database;
 use crate::preparation::prepared::Prepared;
 
@@ -53,11 +54,10 @@ pub(crate) fn totals<M: Motion<N, R>, const N: usize, const R: usize>(
     let reference = [prepared.reference.alpha, 0.0, prepared.reference.elevator];
     // An aircraft of a file asks for the air as well.
     let row = M::AXES.row(Output::TrueAirspeed);
-    let mut speeds: Vec<f64> = row.map_or(Vec::new(), |row| prepared.outputs.iter().map(|y| y[row]).collect());
-    speeds.retain(|speed| speed.is_finite());
-    let speed = file.aircraft.reference_speed.or_else(|| median(&mut speeds)).unwrap_or(f64::NAN);
+    let speeds: Vec<f64> = row.map_or(Vec::new(), |row| prepared.outputs.iter().map(|y| y[row]).collect());
     let recorded = prepared.known.iter().find(|signal| signal.name == "air_density");
-    let density = recorded.and_then(|signal| median(&mut signal.values.clone())).unwrap_or(f64::NAN);
+    let Condition { speed, density } =
+        Condition::of(file, speeds.into_iter(), recorded.map(|signal| signal.values.as_slice()));
     let of = |result: &ParameterResult| {
         let parameter = file.parameters.iter().find(|p| p.name == result.name)?;
         let Role::Term(coefficient, term) = &parameter.role else { return None };

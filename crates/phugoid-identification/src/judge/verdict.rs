@@ -50,8 +50,10 @@ pub(crate) fn verdict<M: Motion<N, R>, const N: usize, const R: usize>(
     if let Some(report) = &run.batch {
         batch(report, &mut sentences);
     }
-    sentences.extend(task.file.uncertainty.sentence(run.follows_constants).filter(|_| run.excited));
-    sentences.extend(systematic::sentence(parameters).filter(|_| run.excited));
+    if run.excited {
+        sentences.push(task.file.uncertainty.sentence(run.follows_constants));
+        sentences.extend(systematic::sentence(parameters));
+    }
     sentences.extend(task.prepared.notes.iter().map(|n| format!("{}.", capitalised(n))));
     sentences
 }

@@ -19,7 +19,7 @@ use crate::core::method::Method;
 use crate::core::options::{Band, CAPACITY, FlowAngles};
 use crate::core::output::Output;
 use crate::core::systematic::SystematicPart;
-use crate::model_file::{Parameter, Role};
+use crate::model_file::{ByPowers, Parameter, Role};
 use crate::motion::MotionModel;
 use crate::preparation::excitation::Excitation;
 use crate::preparation::prepare::prepare;
@@ -82,10 +82,11 @@ pub(super) fn run_batch<M: MotionModel<N, R, CAPACITY>, const N: usize, const R:
     let run = Run {
         columns: file
             .estimated()
-            .map(|p| {
+            .zip(prepared.by_powers(file))
+            .map(|(p, by_powers)| {
                 let place = structure.parameters.iter().position(|own| own.name == p.name);
                 let followed = systematic.as_ref().zip(place).and_then(|(all, place)| all.of(place));
-                column::<M, N, R>(p, &fit, followed, prepared.time.len(), task)
+                column::<M, N, R>(p, &fit, followed, &by_powers, task)
             })
             .collect(),
         predicted: rows(&own.fitted),
@@ -441,7 +442,7 @@ fn column<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
     parameter: &Parameter,
     fit: &BatchFit,
     followed: Option<(f64, Vec<SystematicPart>)>,
-    samples: usize,
+    by_powers: &ByPowers,
     task: &Task<M, N, R>,
 ) -> ColumnRun {
     // What the method does not estimate, such as a bias in a band of frequencies, keeps its prior.
@@ -449,9 +450,8 @@ fn column<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
     let (value, std_error, corrected, at_limit) = position::<M, N, R>(parameter, fit)
         .map(|i| &fit.unknowns[i])
         .map_or(prior, |u| (u.value, u.std_error, u.corrected_std_error, u.at_limit));
-    let (systematic, systematic_parts) = followed.unwrap_or_else(|| {
-        (task.file.systematic_part(parameter) * value.abs(), task.file.systematic_shares(parameter))
-    });
+    let (systematic, systematic_parts) = followed.unwrap_or_else(|| (by_powers.std(value), by_powers.shares(value)));
+    let samples = task.prepared.time.len();
     let corrected_with = corrected.hypot(systematic);
     let observability = (1.0 - (std_error / parameter.prior_std).powi(2)).max(0.0);
     let scale = match task.file.base {

@@ -125,7 +125,7 @@ fn predict_of<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
                 .to_owned(),
         );
     }
-    let parameters = model.estimated().map(|parameter| {
+    let parameters = model.estimated().zip(first.by_powers(model)).map(|(parameter, by_powers)| {
         let bias = match parameter.role {
             Role::Bias(output) => M::AXES.row(output),
             _ => None,
@@ -139,7 +139,7 @@ fn predict_of<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
         let value = place.and_then(|i| values.get(i)).copied().unwrap_or(parameter.start);
         let (systematic_std, systematic_parts) = place
             .and_then(|place| followed.as_ref()?.of(place))
-            .unwrap_or_else(|| (model.systematic_part(parameter) * value.abs(), model.systematic_shares(parameter)));
+            .unwrap_or_else(|| (by_powers.std(value), by_powers.shares(value)));
         PredictedParameter {
             name: parameter.name.clone(),
             value,

@@ -19,7 +19,7 @@ use crate::core::error::EstimateError;
 use crate::core::estimation::Event;
 use crate::core::method::Method;
 use crate::core::systematic::{SystematicPart, UncertainQuantity, shares};
-use crate::model_file::{Base, ModelFile};
+use crate::model_file::{Base, ByPowers, ModelFile};
 use crate::motion::MotionModel;
 use crate::preparation::excitation::{Excitation, Moved};
 
@@ -131,8 +131,8 @@ pub(super) struct Stepper<M: MotionModel<N, R, P>, const N: usize, const R: usiz
     surface_rates: SurfaceRates,
     /// Declared variance of each constant of the motion.
     variances: Vec<f64>,
-    /// Declared uncertainty by column, as a part of the parameter, for a method that does not follow the errors.
-    uncertainty: [f64; P],
+    /// Declared uncertainty by column, for a method that does not follow the errors.
+    by_powers: Vec<ByPowers>,
     /// One sigma of the systematic part of the last estimate, by column.
     systematic_std: [f64; P],
     watch: Watch,
@@ -188,7 +188,7 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> St
             watch: Watch::new(settings.maximum_step_s.max(3.5 * settings.sample_time_s)),
             surface_rates: SurfaceRates::default(),
             variances: M::CONSTANTS.iter().map(|quantity| file.uncertainty.of_quantity(*quantity).powi(2)).collect(),
-            uncertainty: uncertainty(file),
+            by_powers: prepared.by_powers(file).collect(),
             systematic_std: [0.0; P],
             changes: Changes::default(),
             readiness: ReadinessWatch::new(),
@@ -213,7 +213,7 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> St
     fn systematic(&self, column: usize, value: f64) -> f64 {
         match self.followed(column) {
             Some(parts) => parts.sum::<f64>().sqrt(),
-            None => self.uncertainty[column] * value.abs(),
+            None => self.by_powers.get(column).map_or(0.0, |powers| powers.std(value)),
         }
     }
 
@@ -387,7 +387,8 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> Ca
 
     fn systematic_parts(&self, column: usize) -> Vec<SystematicPart> {
         let Some(parts) = self.followed(column) else {
-            return self.file.estimated().nth(column).map_or_else(Vec::new, |p| self.file.systematic_shares(p));
+            let value = self.shown.parameters[column];
+            return self.by_powers.get(column).map_or_else(Vec::new, |powers| powers.shares(value));
         };
         let mut variances = [0.0; UncertainQuantity::ALL.len()];
         for (quantity, part) in M::CONSTANTS.iter().zip(parts) {
@@ -437,15 +438,6 @@ impl<I: Copy, const R: usize> Lead<I, R> {
     fn take(&mut self) -> (VecDeque<Sample<I, R>>, bool) {
         (std::mem::take(&mut self.samples), self.is_a_part)
     }
-}
-
-/// The declared uncertainty of each column, as a part of the parameter.
-fn uncertainty<const P: usize>(file: &ModelFile) -> [f64; P] {
-    let mut out = [0.0; P];
-    for (to, parameter) in out.iter_mut().zip(file.estimated()) {
-        *to = file.systematic_part(parameter);
-    }
-    out
 }
 
 /// The sample, and the groups of axes whose parameters are estimated from it.

@@ -12,7 +12,6 @@ use super::simulation::SimulationData;
 use super::uncertainty::Uncertainty;
 use crate::core::axes::Axes;
 use crate::core::output::{CHANNELS, Output};
-use crate::core::systematic::SystematicPart;
 use crate::core::term::{Coefficient, Term};
 
 /// A model file that has been read and checked.
@@ -67,18 +66,6 @@ pub struct ModelFile {
 }
 
 impl ModelFile {
-    /// One sigma of a parameter as a part of its value by the powers of the scales: zero for offsets and biases, and for
-    /// constants, which the flight determines whatever the scales.
-    pub fn systematic_part(&self, parameter: &Parameter) -> f64 {
-        self.uncertainty.of(parameter, self.rate_speed)
-    }
-
-    /// The quantities that make the systematic error of a parameter by the powers of the scales, the largest share first.
-    /// Empty where [`systematic_part`](Self::systematic_part) is zero.
-    pub fn systematic_shares(&self, parameter: &Parameter) -> Vec<SystematicPart> {
-        self.uncertainty.shares_of(parameter, self.rate_speed)
-    }
-
     /// The terms of a coefficient, estimated or known, in the order of the file; offsets are none.
     pub fn terms(&self, coefficient: Coefficient) -> impl Iterator<Item = &Term> {
         self.parameters.iter().filter_map(move |p| match &p.role {

@@ -129,7 +129,7 @@ fn parse(file: &str, text: &str) -> Result<ModelFile, ModelFileError> {
         outputs,
         noise: levels,
         noise_learning: noise_learning(&top, base, &outputs, &levels)?,
-        uncertainty: Uncertainty::parse(&top, base, &aircraft.mass)?,
+        uncertainty: Uncertainty::parse(&top, &aircraft.mass)?,
         expected: expected(&top, &parameters)?,
         parameters,
         reference: reference(&top, base)?,

@@ -8,14 +8,9 @@
 
 use super::error::ModelFileError;
 use super::section::Section;
-use super::{Base, Parameter, RateSpeed, Role, Source};
-use crate::core::scaling::ScalingPowers;
-use crate::core::systematic::{SystematicPart, UncertainQuantity, UncertaintyUnit, shares};
-use crate::core::term::{Coefficient, Term};
+use super::Source;
+use crate::core::systematic::{UncertainQuantity, UncertaintyUnit};
 use phugoid_flight_data::quantity::Dimension;
-
-/// Number of quantities.
-const COUNT: usize = UncertainQuantity::ALL.len();
 
 /// Standard uncertainties, one sigma; of scales as a part of the quantity itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -147,12 +142,9 @@ impl Uncertainty {
         Self { by_default: true, ..if light { Self::UNMANNED } else { Self::UNSTATED } }
     }
 
-    /// The section `[uncertainty]`; without it the usual ones, and none for increments on a database, whose own errors
-    /// are what is estimated.
-    pub(super) fn parse(top: &Section, base: Base, mass: &Source) -> Result<Self, ModelFileError> {
-        let Some(section) = top.section("uncertainty")? else {
-            return Ok(if base == Base::None { Self::usual(mass) } else { Self::NONE });
-        };
+    /// The section `[uncertainty]`; without it the usual ones.
+    pub(super) fn parse(top: &Section, mass: &Source) -> Result<Self, ModelFileError> {
+        let Some(section) = top.section("uncertainty")? else { return Ok(Self::usual(mass)) };
         let keys = ["class", "propagation"].into_iter().chain(UncertainQuantity::ALL.map(UncertainQuantity::key));
         section.allow("key", keys)?;
         let classes = ["flight-test", "unstated", "unmanned", "unmanned-without-vane", "none"];
@@ -216,7 +208,7 @@ impl Uncertainty {
         let unmanned = self.by_default && self.inertia == Self::UNMANNED.inertia;
         match (self.by_default, unmanned, quantity) {
             (false, ..) if self.of_quantity(quantity) == 0.0 => {
-                "none declared in the model file, or increments on a database"
+                "none declared in the model file"
             }
             _ if self.propagation == Propagation::Powers && !Self::has_power(quantity) => {
                 "not in use: it has no power, and `propagation = \"powers\"` is asked for"
@@ -243,47 +235,6 @@ impl Uncertainty {
         }
     }
 
-    /// One sigma of a parameter as a part of its value by the powers of the scales: zero for offsets and biases, and for
-    /// constants, which the flight determines whatever the scales.
-    pub(super) fn of(&self, parameter: &Parameter, rate_speed: RateSpeed) -> f64 {
-        self.parts_of(parameter, rate_speed).iter().map(|part| part * part).sum::<f64>().sqrt()
-    }
-
-    /// The quantities that make the systematic error of a parameter by the powers of the scales, the largest share first.
-    /// Empty where [`of`](Self::of) is zero.
-    pub(super) fn shares_of(&self, parameter: &Parameter, rate_speed: RateSpeed) -> Vec<SystematicPart> {
-        shares(&self.parts_of(parameter, rate_speed).map(|part| part * part))
-    }
-
-    /// What each quantity contributes to one sigma of a parameter by the powers of the scales, as a part of its value, in
-    /// the order of [`UncertainQuantity::ALL`].
-    fn parts_of(&self, parameter: &Parameter, rate_speed: RateSpeed) -> [f64; COUNT] {
-        match &parameter.role {
-            Role::Term(coefficient, term) if !term.is_constant() => self.parts_of_term(*coefficient, term, rate_speed),
-            _ => [0.0; COUNT],
-        }
-    }
-
-    fn parts_of_term(&self, coefficient: Coefficient, term: &Term, rate_speed: RateSpeed) -> [f64; COUNT] {
-        let powers = ScalingPowers::of(coefficient, term, rate_speed == RateSpeed::Actual);
-        UncertainQuantity::ALL.map(|quantity| {
-            let power = match quantity {
-                UncertainQuantity::AirspeedScale => powers.airspeed,
-                UncertainQuantity::FlowAngleScale => powers.alpha + powers.beta,
-                UncertainQuantity::SurfaceScale => powers.surfaces.iter().sum(),
-                UncertainQuantity::Mass => powers.mass,
-                UncertainQuantity::Inertia => powers.inertia,
-                UncertainQuantity::AirspeedPerAlpha
-                | UncertainQuantity::FlowAngleLag
-                | UncertainQuantity::SurfaceSkew
-                | UncertainQuantity::AccelerationScale
-                | UncertainQuantity::CentreOfGravity
-                | UncertainQuantity::Thrust => 0.0,
-            };
-            power * self.of_quantity(quantity)
-        })
-    }
-
     /// Whether the powers of the scales know of a quantity.
     fn has_power(quantity: UncertainQuantity) -> bool {
         matches!(
@@ -296,9 +247,9 @@ impl Uncertainty {
         )
     }
 
-    /// A sentence for the user; `None` where nothing is uncertain. `followed`: the method has followed the errors, and
-    /// every quantity is in its bounds; else those that have powers.
-    pub(crate) fn sentence(&self, followed: bool) -> Option<String> {
+    /// A sentence for the user about what is in the bounds, or that nothing is declared. `followed`: the method has followed
+    /// the errors, and every quantity is in its bounds; else those that have powers.
+    pub(crate) fn sentence(&self, followed: bool) -> String {
         let list: Vec<String> = UncertainQuantity::ALL
             .into_iter()
             .filter(|quantity| followed || Self::has_power(*quantity))
@@ -306,17 +257,19 @@ impl Uncertainty {
             .filter(|(_, value)| *value > 0.0)
             .map(|(quantity, value)| format!("{} {}", quantity.name(), quantity.unit().in_words(value)))
             .collect();
-        (!list.is_empty()).then(|| {
-            format!(
-                "The bounds contain systematic errors that leave no trace in residuals, one sigma, {}: {}.",
-                if self.by_default {
-                    "declared by default ([uncertainty] in the model file replaces them)"
-                } else {
-                    "as the model file declares them"
-                },
-                list.join(", ")
-            )
-        })
+        if list.is_empty() {
+            return "The bounds contain no systematic errors: the model file declares none of airspeed, flow angles, surfaces,                     mass, inertia, centre of gravity and thrust under [uncertainty]."
+                .to_owned();
+        }
+        format!(
+            "The bounds contain systematic errors that leave no trace in residuals, one sigma, {}: {}.",
+            if self.by_default {
+                "declared by default ([uncertainty] in the model file replaces them)"
+            } else {
+                "as the model file declares them"
+            },
+            list.join(", ")
+        )
     }
 }
 
@@ -330,31 +283,18 @@ mod tests {
         ModelFile::text("hfb320").unwrap().split("[uncertainty]").next().unwrap().to_owned()
     }
 
-    /// By hand: a pitch damping derivative goes with the inverse of the airspeed squared, over that of the rate, and
-    /// with the inertia.
+    /// Without the section the usual ones hold, of increments to a database as of whole coefficients: a scale is of the whole
+    /// derivative. The built-in models of simulated flights say that they declare none.
     #[test]
-    fn each_derivative_takes_the_scales_that_it_depends_on() {
-        let file = ModelFile::parse("mine.toml", &unstated()).unwrap();
-        assert_eq!(file.uncertainty, Uncertainty { by_default: true, ..Uncertainty::UNSTATED });
-        let of = |name: &str| {
-            let parameter = file.parameters.iter().find(|p| p.name == name).unwrap();
-            file.systematic_part(parameter)
-        };
-        let root = |parts: &[f64]| parts.iter().map(|p| p * p).sum::<f64>().sqrt();
-        assert!((of("CL_alpha") - root(&[0.03, 0.03, 0.03])).abs() < 1e-12);
-        // The model makes the pitch rate dimensionless with the reference speed.
-        assert!((of("Cm_q") - root(&[0.03, 0.06])).abs() < 1e-12);
-        assert!((of("Cm_elevator") - root(&[0.03, 0.03, 0.06])).abs() < 1e-12);
-        assert_eq!(of("Cm_0"), 0.0);
-        let parameter = |name: &str| file.parameters.iter().find(|p| p.name == name).unwrap();
-        let shares = file.systematic_shares(parameter("Cm_elevator"));
-        let words: Vec<&str> = shares.iter().map(|part| part.quantity.key()).collect();
-        assert_eq!(words, ["inertia", "airspeed_scale", "surface_scale"]);
-        // 36, 9 and 9 parts of 54.
-        assert!((shares[0].share - 36.0 / 54.0).abs() < 1e-12 && (shares[2].share - 9.0 / 54.0).abs() < 1e-12);
-        assert!(file.systematic_shares(parameter("Cm_0")).is_empty());
-        assert_eq!(ModelFile::named("hfb320").unwrap().uncertainty, Uncertainty::FLIGHT_TEST);
+    fn without_the_section_the_usual_ones_hold_with_and_without_a_base() {
+        let usual = Uncertainty { by_default: true, ..Uncertainty::UNSTATED };
+        assert_eq!(ModelFile::parse("mine.toml", &unstated()).unwrap().uncertainty, usual);
+        let f16 = ModelFile::text("f16").unwrap();
+        let without = f16.replace("[uncertainty]\nclass = \"none\"", "");
+        assert_ne!(f16, without);
+        assert_eq!(ModelFile::parse("mine.toml", &without).unwrap().uncertainty, usual);
         assert_eq!(ModelFile::named("f16").unwrap().uncertainty, Uncertainty::NONE);
+        assert_eq!(ModelFile::named("hfb320").unwrap().uncertainty, Uncertainty::FLIGHT_TEST);
     }
 
     #[test]

@@ -64,7 +64,7 @@ impl<T: Scalar> InAir<T> {
 
     /// Coefficients in body axes without the rate of the angle of attack. The throttle, which the aerodynamics of hardly any
     /// file read, is closed.
-    pub(crate) fn coefficients(&self, aircraft: &AircraftFile) -> Coefficients<T> {
+    pub(crate) fn coefficients<A: Aircraft>(&self, aircraft: &A) -> Coefficients<T> {
         aircraft.coefficients(&self.air(), self.rates, &self.controls())
     }
 
@@ -119,6 +119,18 @@ impl Database {
         };
         let Coefficients { cx, cz, cm, .. } = flight.coefficients(aircraft);
         lift_drag_moment([cx, cz, cm], alpha)
+    }
+
+    /// `CL, CD, Cm, CY, Cl, Cn` in a flight condition, in the order of `Coefficient`; lift and drag along the stability axes,
+    /// as the terms have them. Zero without a database.
+    pub(crate) fn all(&self, flight: &InAir<f64>) -> [f64; 6] {
+        let Coefficients { cx, cy, cz, cl, cm, cn } = match self {
+            Self::None => return [0.0; 6],
+            Self::F16(aircraft) => flight.coefficients(aircraft.as_ref()),
+            Self::Aircraft(aircraft) => flight.coefficients(aircraft.as_ref()),
+        };
+        let [lift, drag, pitch] = lift_drag_moment([cx, cz, cm], flight.flow[0]);
+        [lift, drag, pitch, cy, cl, cn]
     }
 
     /// Change of `(CL, CD, Cm)` with `alpha' cbar/2V` at a point of symmetric flight; none where nothing follows that rate.

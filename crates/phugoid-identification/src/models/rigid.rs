@@ -221,7 +221,7 @@ impl Aerodynamics {
             Database::Aircraft(aircraft) => {
                 let Air { speed, alpha, beta, rates, density, mach } = *air;
                 InAir { speed, flow: [alpha, beta], density, mach, rates, deflections: *deflections }
-                    .coefficients(aircraft)
+                    .coefficients(aircraft.as_ref())
             }
         };
         let [lift, drag, pitch, side, roll, yaw] = self.sums(theta, variables);

@@ -12,9 +12,10 @@ use crate::core::error::{EstimateError, Lacking};
 use crate::core::estimation::Signal;
 use crate::core::output::Output;
 use crate::core::words::nearest;
-use crate::model_file::{AirDensity, Base, InputHold, ModelFile, Reference, ReferenceValue, Thrust};
+use crate::model_file::{AirDensity, Base, InputHold, ModelFile, Reference, ReferenceValue, Role, Thrust};
 use crate::models::longitudinal::{Database, LongitudinalModel};
 use crate::motion::{Motion, ReferencePoint};
+use crate::preparation::database_part::{Condition, database_parts};
 use crate::preparation::intake::{KnownInput, Origin, known_inputs, model_input};
 pub use crate::preparation::prepared::Prepared;
 use crate::preparation::surface::{self, SurfaceNoise};
@@ -124,7 +125,7 @@ fn collect<M: Motion<N, R>, const N: usize, const R: usize>(
     let lacking = file.channels_used().into_iter().filter(|name| record.channel(name).is_none());
     let lacking: Vec<&str> = lacking.collect();
     if let Some((first, rest)) = lacking.split_first() {
-        return Err(missing(record, first, rest));
+        return Err(missing(record, first, rest, without(file, &lacking)));
     }
     let mut notes = file.notes.clone();
     let database = database(file)?;
@@ -199,7 +200,7 @@ fn collect<M: Motion<N, R>, const N: usize, const R: usize>(
     let start = |name: &str| of(name).and_then(|values| values.first().copied());
     let surface = |wanted: ReferenceValue, trim: Option<f64>, name: &str| {
         // A surface that these axes do not use has no reference to look for.
-        if of(name).is_none() { Ok(0.0) } else { reference_value(wanted, trim, || start(name)) }
+        if of(name).is_none() { Ok(0.0) } else { reference_value(name, wanted, trim, || start(name)) }
     };
     let alpha = match M::AXES.row(Output::Alpha) {
         Some(row) => outputs.iter().map(|y| y[row]).collect(),
@@ -207,11 +208,18 @@ fn collect<M: Motion<N, R>, const N: usize, const R: usize>(
     };
     let wanted = &file.reference;
     let reference = ReferencePoint {
-        alpha: reference_value(wanted.alpha, trim.map(|t| t.alpha), || first_alpha(&alpha))?,
+        alpha: reference_value("alpha", wanted.alpha, trim.map(|t| t.alpha), || first_alpha(&alpha))?,
         elevator: surface(wanted.elevator, trim.map(|t| t.elevator), "elevator")?,
         aileron: surface(wanted.aileron, Some(0.0), "aileron")?,
         rudder: surface(wanted.rudder, Some(0.0), "rudder")?,
     };
+    let speeds: Vec<f64> = match M::AXES.row(Output::TrueAirspeed) {
+        Some(row) => outputs.iter().map(|y| y[row]).collect(),
+        None => of("true_airspeed").unwrap_or_default().to_vec(),
+    };
+    let condition = Condition::of(file, speeds.into_iter(), of("air_density"));
+    let (database_parts, lacking) = database_parts(file, &database, &reference, condition);
+    notes.extend(lacking);
     let model = M::build(file, database, &reference);
     Ok(Prepared {
         model,
@@ -224,6 +232,7 @@ fn collect<M: Motion<N, R>, const N: usize, const R: usize>(
         moved_s: Vec::new(),
         surface_noise,
         reference,
+        database_parts,
         first,
         notes,
     })
@@ -292,11 +301,42 @@ pub(crate) fn channel<'a>(record: &'a Record, name: &str) -> Result<&'a [f64], E
             channel.values.len(),
             record.time.len()
         ))),
-        None => Err(missing(record, name, &[])),
+        None => Err(missing(record, name, &[], None)),
     }
 }
 
-fn missing(record: &Record, name: &str, others: &[&str]) -> EstimateError {
+/// What to write in the model file where it can do without some of the lacking channels: outputs that are no states, and the
+/// flow angles, for which many aircraft have no vane.
+fn without(file: &ModelFile, lacking: &[&str]) -> Option<String> {
+    let is_dispensable =
+        |output: &Output| matches!(output, Output::Alpha | Output::Beta) || !file.axes.states().contains(output);
+    let (left_out, kept): (Vec<Output>, Vec<Output>) =
+        file.measured().partition(|output| lacking.contains(&output.name()) && is_dispensable(output));
+    if left_out.is_empty() {
+        return None;
+    }
+    let names = |outputs: &[Output], mark: &str| {
+        outputs.iter().map(|output| format!("{mark}{}{mark}", output.name())).collect::<Vec<_>>().join(", ")
+    };
+    let is_named = |output: &&Output| {
+        let bias = file.parameters.iter().any(|p| matches!(p.role, Role::Bias(of) if of == **output));
+        bias || file.noise[output.index()].is_some()
+    };
+    let named: Vec<Output> = left_out.iter().filter(is_named).copied().collect();
+    let also = match named.is_empty() {
+        true => String::new(),
+        false => format!(" and take {} out of [noise] and [biases]", names(&named, "`")),
+    };
+    let vane = left_out.iter().any(|output| matches!(output, Output::Alpha | Output::Beta));
+    let why = if vane { ": without a vane the flow angles follow from the motion" } else { "" };
+    Some(format!(
+        "The model can do without {}{why}. Write this line in the model file, above its first [section]{also}: outputs = [{}].",
+        names(&left_out, "`"),
+        names(&kept, "\"")
+    ))
+}
+
+fn missing(record: &Record, name: &str, others: &[&str], dispensable: Option<String>) -> EstimateError {
     let mut other_channels: Vec<String> =
         others.iter().filter(|other| **other != name).map(|other| (*other).to_owned()).collect();
     other_channels.dedup();
@@ -310,7 +350,7 @@ fn missing(record: &Record, name: &str, others: &[&str]) -> EstimateError {
         channel: name.to_owned(),
         present: record.channels.iter().map(|c| c.name.clone()).collect(),
         nearest: nearest(name, record.channels.iter().map(|c| c.name.as_str())).map(str::to_owned),
-        lacking: Box::new(Lacking { other_channels, findings }),
+        lacking: Box::new(Lacking { other_channels, findings, dispensable }),
     }
 }
 
@@ -347,6 +387,7 @@ pub(crate) fn reference_trim(
 }
 
 fn reference_value(
+    name: &str,
     wanted: ReferenceValue,
     trim: Option<f64>,
     first: impl Fn() -> Option<f64>,
@@ -356,7 +397,16 @@ fn reference_value(
         ReferenceValue::Trim => trim,
         ReferenceValue::FirstSample => first(),
     };
-    value.ok_or_else(|| EstimateError::Model("the reference point of the increments could not be found".to_owned()))
+    value.ok_or_else(|| {
+        EstimateError::Model(format!(
+            "the reference point of the terms cannot be found: `{name}` of [reference] is to come from {}, and there is none. Give \
+             it as a number: {name} = \"2 deg\"",
+            match wanted {
+                ReferenceValue::FirstSample => "the first sample of a recorded channel",
+                _ => "the trim of a database",
+            }
+        ))
+    })
 }
 
 /// Angle of attack at the start: the median of the first values, so that one outlier does not shift the reference.

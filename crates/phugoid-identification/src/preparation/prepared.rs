@@ -2,7 +2,7 @@
 
 use crate::core::axes::Axes;
 use crate::core::estimation::Signal;
-use crate::model_file::InputHold;
+use crate::model_file::{ByPowers, DatabasePart, InputHold, ModelFile};
 use crate::motion::{Motion, ReferencePoint};
 use crate::preparation::intake::Origin;
 use crate::preparation::surface::SurfaceNoise;
@@ -33,6 +33,8 @@ pub struct Prepared<M: Motion<N, R>, const N: usize, const R: usize> {
     pub(crate) surface_noise: Vec<(String, SurfaceNoise)>,
     /// The reference point: the values at which the terms are zero.
     pub reference: ReferencePoint,
+    /// What the database has in the place of each estimated parameter, in the order of the columns.
+    pub(crate) database_parts: Vec<DatabasePart>,
     /// Index in the record of the first sample used.
     pub first: usize,
     /// Sentences about what was assumed, held or left out.
@@ -44,6 +46,12 @@ impl<M: Motion<N, R>, const N: usize, const R: usize> Prepared<M, N, R> {
     pub fn noise_samples(&self) -> usize {
         let start = self.time.first().copied().unwrap_or(0.0);
         self.time.iter().take_while(|t| **t - start <= 2.0).count().max(FEWEST_SAMPLES).min(self.time.len())
+    }
+
+    /// The systematic error of each estimated parameter by the powers of the scales, in the order of the columns. `file` is
+    /// the one that the record was prepared for.
+    pub(crate) fn by_powers(&self, file: &ModelFile) -> impl Iterator<Item = ByPowers> {
+        file.estimated().zip(&self.database_parts).map(|(parameter, database)| file.by_powers(parameter, database))
     }
 
     /// The positions of the control surfaces, rad, by sample.

@@ -5,6 +5,7 @@
 mod shared_data;
 
 mod damage;
+mod declared_by_default;
 mod golden_flight;
 mod known_base;
 mod scenario_options;

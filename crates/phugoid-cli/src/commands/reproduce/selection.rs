@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use phugoid_simulation::scenario::nearest;
-use phugoid_thesis::Entry;
+use phugoid_thesis::{Entry, changed_from};
 use phugoid_thesis::case_file::Case;
 use phugoid_thesis::result::Reproduction;
 
@@ -103,19 +103,10 @@ fn matching(word: &str, entries: &[Entry]) -> Result<Vec<Task>, Failure> {
         let case = Case::read(file).map_err(Failure::input)?;
         let id = file.file_stem().map_or_else(|| word.to_owned(), |stem| stem.to_string_lossy().into_owned());
         let text = std::fs::read_to_string(file).map_err(|error| Failure::input(format!("{word}: {error}")))?;
-        let changed = changed(&text, entries);
+        let changed = changed_from(&text);
         return Ok(vec![Task::File { id, case: Box::new(case), text, changed }]);
     }
     Err(unknown(word, entries))
-}
-
-/// The built-in case whose title this text bears without being its text.
-fn changed(text: &str, entries: &[Entry]) -> Option<&'static str> {
-    let title = |text: &str| text.lines().find(|line| line.starts_with("title")).map(str::to_owned);
-    let own = title(text)?;
-    let known = entries.iter().filter_map(|entry| Some((entry.id, phugoid_thesis::case_text(entry.id)?)));
-    let same = known.filter(|(_, known)| title(known).is_some_and(|known| known == own)).collect::<Vec<_>>();
-    same.iter().all(|(_, known)| known.trim_end() != text.trim_end()).then(|| same.first().map(|(id, _)| *id))?
 }
 
 fn unknown(word: &str, entries: &[Entry]) -> Failure {

@@ -1,0 +1,167 @@
+//! Increments to a database, flown and estimated where a scale of a sensor, the mass or the inertia is off by what is declared
+//! by default: the model file says nothing, and the bounds have to hold it all the same. A scale is of the whole derivative,
+//! so that an error of 3 % bends an increment by 3 % of database and increment together.
+
+use phugoid_flight_data::record::Record;
+use phugoid_identification::estimate::{EstimateOptions, StructureSearch, estimate};
+use phugoid_identification::estimation::{Estimation, UncertainQuantity};
+use phugoid_identification::method::Method;
+use phugoid_identification::model_file::{ModelFile, Source};
+use phugoid_simulation::flight::fly;
+use phugoid_simulation::scenario::Scenario;
+
+/// A built-in model with what its file says of uncertainty replaced.
+fn model(name: &str, uncertainty: &str) -> ModelFile {
+    let text = ModelFile::text(name).unwrap();
+    let (rest, _) = text.split_once("[uncertainty]").unwrap();
+    ModelFile::parse("increments.toml", &format!("{rest}{uncertainty}")).unwrap()
+}
+
+/// The flight, and its true parameters by name.
+fn flown(name: &str) -> (Record, std::collections::BTreeMap<String, f64>) {
+    let flight = fly(&Scenario::find(name).unwrap()).unwrap();
+    (flight.measured, flight.true_parameters)
+}
+
+/// Makes a quantity `1 + c` times what it is: sensors show that many times the true value, and the model file has that much
+/// less of mass and inertia than the aircraft.
+fn put(quantity: UncertainQuantity, c: f64, record: &mut Record, model: &mut ModelFile) {
+    let factor = 1.0 + c;
+    let mut shown = |names: &[&str]| {
+        for channel in record.channels.iter_mut().filter(|channel| names.contains(&&*channel.name)) {
+            channel.values.iter_mut().for_each(|value| *value *= factor);
+        }
+    };
+    let lessen = |source: &mut Source| match source {
+        Source::Constant(value) => *value /= factor,
+        Source::Channel(name) => panic!("{name} is recorded"),
+    };
+    let aircraft = &mut model.aircraft;
+    match quantity {
+        UncertainQuantity::AirspeedScale => shown(&["true_airspeed"]),
+        UncertainQuantity::FlowAngleScale => shown(&["alpha", "beta"]),
+        UncertainQuantity::SurfaceScale => shown(&["elevator", "aileron", "rudder"]),
+        UncertainQuantity::Mass => lessen(&mut aircraft.mass),
+        UncertainQuantity::Inertia => {
+            lessen(&mut aircraft.iyy);
+            [&mut aircraft.ixx, &mut aircraft.izz, &mut aircraft.ixz].into_iter().flatten().for_each(lessen);
+        }
+        other => panic!("{other} is not tried"),
+    }
+}
+
+const SCALES: [UncertainQuantity; 5] = [
+    UncertainQuantity::AirspeedScale,
+    UncertainQuantity::FlowAngleScale,
+    UncertainQuantity::SurfaceScale,
+    UncertainQuantity::Mass,
+    UncertainQuantity::Inertia,
+];
+
+fn estimated(record: &Record, model: &ModelFile, method: Method) -> Estimation {
+    let structure = StructureSearch::Never;
+    let options = EstimateOptions { method: Some(method), structure, ..EstimateOptions::default() };
+    estimate(record, model, &options, &mut |_| ()).unwrap()
+}
+
+/// The derivative that each quantity bends, and none is wrong by more than three of the standard errors that it claims. What is
+/// claimed without any declaration is far less than what happens.
+#[test]
+fn a_scale_that_is_off_stays_within_the_bounds_that_hold_by_default() {
+    let (right, truth) = flown("f16-calm");
+    let (default, none) = (model("f16", ""), model("f16", "[uncertainty]\n"));
+    assert!(default.uncertainty.by_default && !none.uncertainty.by_default);
+    let mut worst = [0.0_f64; 2];
+    for method in [
+        Method::Smpe,
+        Method::Ekf,
+        Method::OutputError,
+        Method::EquationError,
+        // Those carry the errors by the powers of the scales.
+        Method::Rls,
+        Method::OutputErrorFrequency,
+        Method::EquationErrorFrequency,
+    ] {
+        for quantity in SCALES {
+            let c = default.uncertainty.of_quantity(quantity);
+            for (declared, worst) in [&default, &none].into_iter().zip(&mut worst) {
+                let (mut record, mut wrong) = (right.clone(), declared.clone());
+                put(quantity, c, &mut record, &mut wrong);
+                let found = estimated(&record, &wrong, method);
+                let said = found.verdict.iter().any(|sentence| sentence.contains("declared by default"));
+                assert_eq!(said, declared.uncertainty.by_default, "{:?}", found.verdict);
+                for p in found.parameters.iter().filter(|p| !p.nuisance) {
+                    let sigmas = (p.value - truth.get(&p.name).copied().unwrap_or(0.0)) / p.corrected_std_error;
+                    if declared.uncertainty.by_default {
+                        println!("{method} {quantity} {}: {sigmas:.2} sigma", p.name);
+                        let parts = p.random_std().hypot(p.systematic_std);
+                        assert!((parts / p.corrected_std_error - 1.0).abs() < 1e-9, "{}: {parts}", p.name);
+                    }
+                    *worst = worst.max(sigmas.abs());
+                }
+            }
+        }
+    }
+    let [with, without] = worst;
+    println!("at most {with:.2} claimed standard errors, {without:.1} where nothing is declared");
+    assert!(with < 3.0 && without > 10.0, "{with} {without}");
+}
+
+/// What is claimed for one quantity by itself against what it does, by the methods that follow it.
+#[test]
+fn what_is_claimed_of_an_increment_is_what_an_error_does() {
+    let (right, _) = flown("f16-calm");
+    const SIGMA: f64 = 0.03;
+    const SMALL: f64 = 5e-4;
+    let mut beyond = Vec::new();
+    for method in [Method::Smpe, Method::Ekf, Method::OutputError, Method::EquationError] {
+        for quantity in SCALES {
+            let model = model("f16", &format!("[uncertainty]\n{} = {SIGMA}\n", quantity.key()));
+            let found = estimated(&right, &model, method);
+            let (mut record, mut wrong) = (right.clone(), model.clone());
+            put(quantity, SMALL, &mut record, &mut wrong);
+            let moved_to = estimated(&record, &wrong, method);
+            for p in found.parameters.iter().filter(|p| !p.nuisance) {
+                let moved = (moved_to.parameter(&p.name).unwrap().value - p.value).abs() * SIGMA / SMALL;
+                println!("{method} {quantity} {}: {moved:.5}, claimed {:.5}", p.name, p.systematic_std);
+                if (moved - p.systematic_std).abs() >= 0.1 * moved + 0.25 * p.random_std() {
+                    beyond.push(format!(
+                        "{method}, {quantity}: {} moves by {moved:.5}, claimed {:.5}, random {:.5}",
+                        p.name,
+                        p.systematic_std,
+                        p.random_std()
+                    ));
+                }
+            }
+        }
+    }
+    assert!(beyond.is_empty(), "{}", beyond.join("\n"));
+}
+
+/// The six coefficients and the lateral-directional ones carry the errors by powers of the scales, whatever the method.
+#[test]
+fn six_coefficients_hold_the_scales_of_the_whole_derivatives() {
+    let mut worst = [0.0_f64; 2];
+    for (name, scenario) in [("f16-six", "f16-six"), ("f16-lateral", "f16-lateral")] {
+        let (right, truth) = flown(scenario);
+        let (default, none) = (model(name, ""), model(name, "[uncertainty]\n"));
+        for quantity in SCALES {
+            let c = default.uncertainty.of_quantity(quantity);
+            for (declared, worst) in [&default, &none].into_iter().zip(&mut worst) {
+                let (mut record, mut wrong) = (right.clone(), declared.clone());
+                put(quantity, c, &mut record, &mut wrong);
+                let found = estimated(&record, &wrong, Method::Smpe);
+                for p in found.parameters.iter().filter(|p| !p.nuisance) {
+                    let sigmas = (p.value - truth.get(&p.name).copied().unwrap_or(0.0)) / p.corrected_std_error;
+                    if declared.uncertainty.by_default && sigmas.abs() > 1.5 {
+                        println!("{name} {quantity} {}: {sigmas:.2} sigma of {:.5}", p.name, p.corrected_std_error);
+                    }
+                    *worst = worst.max(sigmas.abs());
+                }
+            }
+        }
+    }
+    let [with, without] = worst;
+    println!("at most {with:.2} claimed standard errors, {without:.1} where nothing is declared");
+    assert!(with < 3.0 && without > 10.0, "{with} {without}");
+}
