@@ -6,9 +6,9 @@
 //! proportional to a product of powers of the scales. Four methods follow what each error really does to their estimate
 //! instead, and know of lags, of the centre of gravity and of others that have no powers as well (docs/uncertainty.md).
 
+use super::Source;
 use super::error::ModelFileError;
 use super::section::Section;
-use super::Source;
 use crate::core::systematic::{UncertainQuantity, UncertaintyUnit};
 use phugoid_flight_data::quantity::Dimension;
 
@@ -207,9 +207,7 @@ impl Uncertainty {
     pub fn origin_of(&self, quantity: UncertainQuantity) -> &'static str {
         let unmanned = self.by_default && self.inertia == Self::UNMANNED.inertia;
         match (self.by_default, unmanned, quantity) {
-            (false, ..) if self.of_quantity(quantity) == 0.0 => {
-                "none declared in the model file"
-            }
+            (false, ..) if self.of_quantity(quantity) == 0.0 => "none declared in the model file",
             _ if self.propagation == Propagation::Powers && !Self::has_power(quantity) => {
                 "not in use: it has no power, and `propagation = \"powers\"` is asked for"
             }

@@ -131,7 +131,8 @@ impl Point<'_> {
     fn constant(&self, coefficient: Coefficient) -> DatabasePart {
         let ReferencePoint { alpha, elevator, aileron, rudder } = *self.reference;
         // A surface or an angle that is zero at the reference point is zero whatever its scale.
-        let shift = |variable: Variable, from: f64| if from == 0.0 { 0.0 } else { from * self.slope(coefficient, variable) };
+        let shift =
+            |variable: Variable, from: f64| if from == 0.0 { 0.0 } else { from * self.slope(coefficient, variable) };
         DatabasePart {
             value: self.at(coefficient, Variable::Alpha, 0.0),
             by_flow_angles: shift(Variable::Alpha, alpha),

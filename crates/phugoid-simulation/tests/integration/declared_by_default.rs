@@ -2,25 +2,44 @@
 //! by default: the model file says nothing, and the bounds have to hold it all the same. A scale is of the whole derivative,
 //! so that an error of 3 % bends an increment by 3 % of database and increment together.
 
+use std::collections::BTreeMap;
+
 use phugoid_flight_data::record::Record;
 use phugoid_identification::estimate::{EstimateOptions, StructureSearch, estimate};
 use phugoid_identification::estimation::{Estimation, UncertainQuantity};
 use phugoid_identification::method::Method;
-use phugoid_identification::model_file::{ModelFile, Source};
+use phugoid_identification::model_file::{ModelFile, ReferenceValue, Source};
 use phugoid_simulation::flight::fly;
 use phugoid_simulation::scenario::Scenario;
 
-/// A built-in model with what its file says of uncertainty replaced.
-fn model(name: &str, uncertainty: &str) -> ModelFile {
-    let text = ModelFile::text(name).unwrap();
-    let (rest, _) = text.split_once("[uncertainty]").unwrap();
-    ModelFile::parse("increments.toml", &format!("{rest}{uncertainty}")).unwrap()
+/// A flight, its true parameters by name, and the reference point of its increments.
+struct Flown {
+    measured: Record,
+    truth: BTreeMap<String, f64>,
+    /// Angle of attack and elevator in the trim, rad.
+    reference: [f64; 2],
 }
 
-/// The flight, and its true parameters by name.
-fn flown(name: &str) -> (Record, std::collections::BTreeMap<String, f64>) {
-    let flight = fly(&Scenario::find(name).unwrap()).unwrap();
-    (flight.measured, flight.true_parameters)
+fn flown(scenario: &str) -> Flown {
+    let flight = fly(&Scenario::find(scenario).unwrap()).unwrap();
+    let first = |name: &str| flight.truth.channel(name).unwrap().values[0];
+    let reference = [first("alpha"), first("elevator")];
+    Flown { measured: flight.measured, truth: flight.true_parameters, reference }
+}
+
+/// A built-in model with what its file says of uncertainty replaced. Thrust and reference point are as flown, so that they do
+/// not follow the mass of the file.
+fn model(name: &str, uncertainty: &str, flown: &Flown) -> ModelFile {
+    let text = ModelFile::text(name).unwrap();
+    let (rest, _) = text.split_once("[uncertainty]").unwrap();
+    let changed = rest
+        .replace("thrust = \"trim\"", "thrust = { channel = \"thrust\" }")
+        .replace("Cm = [\"alpha\", \"q_hat\"]", "Cm = [\"alpha\", \"q_hat\", \"elevator\"]");
+    assert_ne!(rest, changed);
+    let mut model = ModelFile::parse("increments.toml", &format!("{changed}{uncertainty}")).unwrap();
+    let [alpha, elevator] = flown.reference.map(ReferenceValue::Given);
+    (model.reference.alpha, model.reference.elevator) = (alpha, elevator);
+    model
 }
 
 /// Makes a quantity `1 + c` times what it is: sensors show that many times the true value, and the model file has that much
@@ -68,8 +87,8 @@ fn estimated(record: &Record, model: &ModelFile, method: Method) -> Estimation {
 /// claimed without any declaration is far less than what happens.
 #[test]
 fn a_scale_that_is_off_stays_within_the_bounds_that_hold_by_default() {
-    let (right, truth) = flown("f16-calm");
-    let (default, none) = (model("f16", ""), model("f16", "[uncertainty]\n"));
+    let right = flown("f16-calm");
+    let [default, none] = ["", "[uncertainty]\n"].map(|uncertainty| model("f16", uncertainty, &right));
     assert!(default.uncertainty.by_default && !none.uncertainty.by_default);
     let mut worst = [0.0_f64; 2];
     for method in [
@@ -85,13 +104,13 @@ fn a_scale_that_is_off_stays_within_the_bounds_that_hold_by_default() {
         for quantity in SCALES {
             let c = default.uncertainty.of_quantity(quantity);
             for (declared, worst) in [&default, &none].into_iter().zip(&mut worst) {
-                let (mut record, mut wrong) = (right.clone(), declared.clone());
+                let (mut record, mut wrong) = (right.measured.clone(), declared.clone());
                 put(quantity, c, &mut record, &mut wrong);
                 let found = estimated(&record, &wrong, method);
                 let said = found.verdict.iter().any(|sentence| sentence.contains("declared by default"));
                 assert_eq!(said, declared.uncertainty.by_default, "{:?}", found.verdict);
                 for p in found.parameters.iter().filter(|p| !p.nuisance) {
-                    let sigmas = (p.value - truth.get(&p.name).copied().unwrap_or(0.0)) / p.corrected_std_error;
+                    let sigmas = (p.value - right.truth.get(&p.name).copied().unwrap_or(0.0)) / p.corrected_std_error;
                     if declared.uncertainty.by_default {
                         println!("{method} {quantity} {}: {sigmas:.2} sigma", p.name);
                         let parts = p.random_std().hypot(p.systematic_std);
@@ -107,61 +126,92 @@ fn a_scale_that_is_off_stays_within_the_bounds_that_hold_by_default() {
     assert!(with < 3.0 && without > 10.0, "{with} {without}");
 }
 
-/// What is claimed for one quantity by itself against what it does, by the methods that follow it.
+/// What is claimed for one quantity by itself against what it does, by the causal methods and the regression that follow it.
+/// Output error is not in it: what it claims is for an error of one sigma, after which it finds its noise anew, and not for a
+/// small one; the test above flies that.
+///
+/// Allowed: a tenth of what happens, a quarter of the random standard error, and a twentieth of what any of the quantities does to
+/// the parameter, which as the root of the sum of squares changes a bound by 3 % and less.
 #[test]
 fn what_is_claimed_of_an_increment_is_what_an_error_does() {
-    let (right, _) = flown("f16-calm");
+    let right = flown("f16-calm");
     const SIGMA: f64 = 0.03;
     const SMALL: f64 = 5e-4;
     let mut beyond = Vec::new();
-    for method in [Method::Smpe, Method::Ekf, Method::OutputError, Method::EquationError] {
+    for method in [Method::Smpe, Method::Ekf, Method::EquationError] {
+        let mut tried = Vec::new();
         for quantity in SCALES {
-            let model = model("f16", &format!("[uncertainty]\n{} = {SIGMA}\n", quantity.key()));
-            let found = estimated(&right, &model, method);
-            let (mut record, mut wrong) = (right.clone(), model.clone());
+            let model = model("f16-model", &format!("[uncertainty]\n{} = {SIGMA}\n", quantity.key()), &right);
+            let found = estimated(&right.measured, &model, method);
+            let (mut record, mut wrong) = (right.measured.clone(), model.clone());
             put(quantity, SMALL, &mut record, &mut wrong);
             let moved_to = estimated(&record, &wrong, method);
             for p in found.parameters.iter().filter(|p| !p.nuisance) {
                 let moved = (moved_to.parameter(&p.name).unwrap().value - p.value).abs() * SIGMA / SMALL;
                 println!("{method} {quantity} {}: {moved:.5}, claimed {:.5}", p.name, p.systematic_std);
-                if (moved - p.systematic_std).abs() >= 0.1 * moved + 0.25 * p.random_std() {
-                    beyond.push(format!(
-                        "{method}, {quantity}: {} moves by {moved:.5}, claimed {:.5}, random {:.5}",
-                        p.name,
-                        p.systematic_std,
-                        p.random_std()
-                    ));
-                }
+                tried.push((quantity, p.name.clone(), moved, p.systematic_std, p.random_std()));
+            }
+        }
+        for (quantity, name, moved, claimed, random) in &tried {
+            let most = tried.iter().filter(|other| other.1 == *name).fold(0.0, |most: f64, other| most.max(other.2));
+            if (moved - claimed).abs() >= 0.1 * moved + 0.25 * random + 0.05 * most {
+                beyond.push(format!(
+                    "{method}, {quantity}: {name} moves by {moved:.5}, claimed {claimed:.5}, random {random:.5}"
+                ));
             }
         }
     }
     assert!(beyond.is_empty(), "{}", beyond.join("\n"));
 }
 
-/// The six coefficients and the lateral-directional ones carry the errors by powers of the scales, whatever the method.
+/// The derivatives that make most of a motion; the others are small, and also take up what is left of these.
+const MAIN: [&str; 12] = [
+    "dCL_alpha",
+    "dCD_alpha",
+    "dCm_alpha",
+    "dCm_q",
+    "dCm_elevator",
+    "dCY_beta",
+    "dCl_beta",
+    "dCl_p",
+    "dCl_aileron",
+    "dCn_beta",
+    "dCn_r",
+    "dCn_rudder",
+];
+
+/// The six coefficients and the lateral-directional ones carry the errors by powers of the scales, whatever the method. These
+/// are right to first order where each derivative takes up its own scale.
 #[test]
 fn six_coefficients_hold_the_scales_of_the_whole_derivatives() {
-    let mut worst = [0.0_f64; 2];
-    for (name, scenario) in [("f16-six", "f16-six"), ("f16-lateral", "f16-lateral")] {
-        let (right, truth) = flown(scenario);
-        let (default, none) = (model(name, ""), model(name, "[uncertainty]\n"));
+    let mut worst = [0.0_f64; 3];
+    for name in ["f16-six", "f16-lateral"] {
+        let right = flown(name);
+        let [default, none] = ["", "[uncertainty]\n"].map(|uncertainty| model(name, uncertainty, &right));
         for quantity in SCALES {
             let c = default.uncertainty.of_quantity(quantity);
-            for (declared, worst) in [&default, &none].into_iter().zip(&mut worst) {
-                let (mut record, mut wrong) = (right.clone(), declared.clone());
+            for declared in [&default, &none] {
+                let (mut record, mut wrong) = (right.measured.clone(), declared.clone());
                 put(quantity, c, &mut record, &mut wrong);
                 let found = estimated(&record, &wrong, Method::Smpe);
                 for p in found.parameters.iter().filter(|p| !p.nuisance) {
-                    let sigmas = (p.value - truth.get(&p.name).copied().unwrap_or(0.0)) / p.corrected_std_error;
-                    if declared.uncertainty.by_default && sigmas.abs() > 1.5 {
+                    let sigmas = (p.value - right.truth.get(&p.name).copied().unwrap_or(0.0)) / p.corrected_std_error;
+                    let place = match (declared.uncertainty.by_default, MAIN.contains(&&*p.name)) {
+                        (true, true) => 0,
+                        (true, false) => 1,
+                        (false, _) => 2,
+                    };
+                    if place < 2 && sigmas.abs() > 1.5 {
                         println!("{name} {quantity} {}: {sigmas:.2} sigma of {:.5}", p.name, p.corrected_std_error);
                     }
-                    *worst = worst.max(sigmas.abs());
+                    worst[place] = worst[place].max(sigmas.abs());
                 }
             }
         }
     }
-    let [with, without] = worst;
-    println!("at most {with:.2} claimed standard errors, {without:.1} where nothing is declared");
-    assert!(with < 3.0 && without > 10.0, "{with} {without}");
+    let [main, others, without] = worst;
+    println!(
+        "at most {main:.2} claimed standard errors, {others:.2} of the others, {without:.1} where nothing is declared"
+    );
+    assert!(main < 2.0 && others < 4.0 && without > 10.0, "{main} {others} {without}");
 }

@@ -4,9 +4,9 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use phugoid_simulation::scenario::nearest;
-use phugoid_thesis::{Entry, changed_from};
 use phugoid_thesis::case_file::Case;
 use phugoid_thesis::result::Reproduction;
+use phugoid_thesis::{Entry, changed_from};
 
 use crate::failure::Failure;
 
