@@ -21,27 +21,34 @@ import json
 import os
 import warnings
 from datetime import datetime
-from typing import Any, Callable, Iterable, Mapping, NamedTuple, Optional, Sequence, Union
+from typing import Any, Iterable, Mapping, NamedTuple, Optional, Sequence, Union
 
 import numpy as np
 
 from . import _frames, _phugoid, _show
 from ._fleet import campaign, fleet, fleet_tell
 from ._phugoid import Model, PhugoidError, Step, __version__
-from ._progress import reporter
+from ._plant import Formula, Plant, Symbols
+from ._progress import Progress, reporter
+from ._reproduction import Reproduction, cases, reproduce
 
 __all__ = [
     "Compatibility",
     "Design",
     "Estimation",
+    "Formula",
     "Model",
     "Parameter",
     "PhugoidError",
+    "Plant",
     "Reason",
     "Record",
+    "Reproduction",
     "Session",
     "Step",
+    "Symbols",
     "__version__",
+    "cases",
     "compare",
     "compatibility",
     "design",
@@ -55,12 +62,12 @@ __all__ = [
     "linearize",
     "methods",
     "read",
+    "reproduce",
     "scenarios",
     "simulate",
     "trim",
 ]
 
-Progress = Union[None, bool, Callable[[float], Any]]
 Columns = Mapping[str, Union[str, Mapping[str, Any]]]
 
 

@@ -7,9 +7,12 @@ import sys
 import threading
 from typing import Any, Callable, Iterator, Optional, Union
 
+#: True for a bar, or a function that is called with the fraction done, from 0 to 1.
+Progress = Union[None, bool, Callable[[float], Any]]
+
 
 @contextlib.contextmanager
-def reporter(progress: Union[None, bool, Callable[[float], Any]], title: str) -> Iterator[Optional[Callable[[float], Any]]]:
+def reporter(progress: Progress, title: str) -> Iterator[Optional[Callable[[float], Any]]]:
     """A function that takes the fraction done: the caller's, one that draws a bar, or none."""
     if progress is None or progress is False:
         yield None

@@ -28,6 +28,11 @@ _COLOURS = {
     "fixed": "#57606a",
     "at_limit": "#cf222e",
     "in_doubt": "#cf222e",
+    "converges": "#1a7f37",
+    "unfinished": "#9a6700",
+    "biased": "#bc4c00",
+    "chatters": "#bc4c00",
+    "diverges": "#cf222e",
 }
 
 
@@ -136,6 +141,27 @@ def model_html(model: _phugoid.Model) -> str:
     )
 
 
+def reproduction_html(name: str, title: str, rows: Iterable[dict[str, Any]]) -> str:
+    """A case of the thesis: what every method made of every parameter."""
+    head = ["method", "parameter", "estimate", "± 2 σ", "truth", "within 5 % from", "what it does"]
+
+    def row(p: dict[str, Any]) -> list[str]:
+        bound = None if p["std_error"] is None else 2 * p["std_error"]
+        since = "–" if p["converged_s"] is None else f"{number(p['converged_s'])} s"
+        return [
+            escape(p["method"]),
+            escape(p["parameter"]),
+            escape(estimate(p["end"], bound)),
+            number(bound, 3),
+            number(p["truth"]),
+            since,
+            _word(p["behaviour"]),
+        ]
+
+    table = _table(head, map(row, rows), ["method", "parameter", "what it does"])
+    return f"<div><div><b>{escape(name)}</b>: {escape(title)}</div>{table}</div>"
+
+
 def _pyplot() -> Any:
     try:
         import matplotlib.pyplot as pyplot
@@ -225,4 +251,83 @@ def plot_outputs(result: Estimation) -> Any:
         axes.grid(alpha=0.3)
     cells[0].set_title("dots: measured; line: predicted", loc="left", color="#57606a", fontsize="small")
     _headline(figure, result)
+    return figure
+
+
+#: Colours by what a curve stands for; methods take those of matplotlib in turn.
+_MEANINGS = {"truth": "black", "measured": "#57606a", "command": "#57606a", "bound": "#bc4c00", "flagship": "#0969da"}
+
+
+def _axis(axis: dict[str, Any]) -> str:
+    return f"{axis['label']} [{axis['unit']}]" if axis["unit"] else str(axis["label"])
+
+
+def numbers(values: Iterable[Optional[float]]) -> np.ndarray:
+    """Values of a JSON document, which has no NaN."""
+    return np.array([np.nan if value is None else value for value in values], dtype=float)
+
+
+def _colour(meaning: Any) -> str:
+    return f"C{1 + meaning['method'] % 9}" if isinstance(meaning, dict) else _MEANINGS.get(meaning, "#57606a")
+
+
+def _curves(axes: Any, content: dict[str, Any]) -> None:
+    for curve in content["curves"]:
+        x, colour, label = numbers(curve["x"]), _colour(curve["meaning"]), curve["label"] or None
+        for kind, values in curve["shape"].items():
+            if kind == "band":
+                axes.fill_between(x, numbers(values["lower"]), numbers(values["upper"]), color=colour, alpha=0.2, linewidth=0, label=label)
+            elif kind == "points":
+                axes.plot(x, numbers(values), ".", markersize=2, color=colour, label=label)
+            else:
+                style = "steps-post" if kind == "step" else "default"
+                dashes = "--" if curve["meaning"] == "truth" else "-"
+                axes.plot(x, numbers(values), dashes, drawstyle=style, linewidth=1.2, color=colour, label=label)
+    for lines, draw in ((content["levels"], axes.axhline), (content["instants"], axes.axvline)):
+        for line in lines:
+            draw(line["at"], color=_colour(line["meaning"]), linewidth=0.8, linestyle=":", label=line["label"] or None)
+
+
+def _map(figure: Any, axes: Any, content: dict[str, Any]) -> None:
+    values = np.array([numbers(row) for row in content["values"]])
+    if content["logarithmic"]:
+        from matplotlib.colors import LogNorm
+
+        limits = content["value"]["range"] or [np.nanmin(values), np.nanmax(values)]
+        drawn = axes.pcolormesh(content["x"], content["y"], values, norm=LogNorm(*limits), shading="nearest")
+    else:
+        low, high = content["value"]["range"] or (None, None)
+        drawn = axes.pcolormesh(content["x"], content["y"], values, vmin=low, vmax=high, shading="nearest")
+    figure.colorbar(drawn, ax=axes, label=_axis(content["value"]))
+    if content["marked"]:
+        axes.plot(*content["marked"], "+", color="red", markersize=10)
+
+
+def plot_chart(chart: dict[str, Any]) -> Any:
+    """A figure of a case: its panels with their curves or maps."""
+    count, columns = len(chart["panels"]), max(1, chart["columns"])
+    rows = -(-count // columns)
+    figure, axes = _pyplot().subplots(
+        rows, columns, sharex=True, squeeze=False, figsize=(7.0 * columns, 0.8 + 2.4 * rows), layout="constrained"
+    )
+    cells = list(axes.flat)
+    for spare in cells[count:]:
+        spare.set_visible(False)
+    for cell, panel in zip(cells, chart["panels"]):
+        content = panel["content"]
+        if "curves" in content:
+            _curves(cell, content["curves"])
+            cell.grid(alpha=0.3)
+            if cell.get_legend_handles_labels()[1]:
+                cell.legend(fontsize="x-small")
+        else:
+            _map(figure, cell, content["map"])
+        cell.set_ylabel(_axis(panel["y"]))
+        if panel["y"]["range"]:
+            cell.set_ylim(*panel["y"]["range"])
+    for lowest in cells[:count][-columns:]:
+        lowest.set_xlabel(_axis(chart["x"]))
+        if chart["x"]["range"]:
+            lowest.set_xlim(*chart["x"]["range"])
+    figure.suptitle(chart["title"], fontsize="medium")
     return figure

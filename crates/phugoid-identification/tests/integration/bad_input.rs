@@ -293,6 +293,34 @@ fn parameters_that_cannot_be_told_apart_are_named_as_a_pair() {
     assert!(said(&estimation, &["dCm_elevator", "dCm_flap", "cannot be told apart"]), "{:?}", estimation.verdict);
 }
 
+/// An aircraft without a vane: the message has the line to write, and with that line the flight is estimated.
+#[test]
+fn without_a_vane_the_message_says_the_line_that_leaves_the_angle_of_attack_out() {
+    let mut record = fly(15.0, AMPLITUDE, 8);
+    record.channels.retain(|channel| channel.name != "alpha");
+    let text = ModelFile::text("f16").unwrap();
+    let message = run(&record, &ModelFile::parse("f16.toml", text).unwrap()).unwrap_err().to_string();
+    assert!(message.contains("can do without `alpha`: without a vane"), "{message}");
+    assert!(message.contains("take `alpha` out of [noise] and [biases]"), "{message}");
+    let from = message.find("outputs = [").unwrap();
+    let line = &message[from..=from + message[from..].find(']').unwrap()];
+    assert_eq!(line, "outputs = [\"true_airspeed\", \"theta\", \"q\", \"ax\", \"az\"]");
+    let (before, biases) = text.split_once("[biases]").unwrap();
+    let biases: Vec<&str> = biases.lines().filter(|line| !line.starts_with("alpha")).collect();
+    let (head, rest) = before.split_once("[aircraft]").unwrap();
+    let mended = format!("{head}{line}\n[aircraft]{rest}[biases]{}", biases.join("\n"));
+    let estimation = run(&record, &ModelFile::parse("f16.toml", &mended).unwrap()).unwrap();
+    for p in estimation.parameters.iter().filter(|p| !p.nuisance) {
+        let error = (p.value - p.truth.unwrap()).abs();
+        assert!(error < 4.0 * p.corrected_std_error, "{}: {} +- {}", p.name, p.value, p.corrected_std_error);
+    }
+    // A state that nothing else gives is not offered to be left out.
+    record.channels.retain(|channel| channel.name != "q");
+    let message = run(&record, &ModelFile::parse("f16.toml", text).unwrap()).unwrap_err().to_string();
+    assert!(message.contains("`q` is missing") || message.contains("needs `q`"), "{message}");
+    assert!(message.contains("outputs = [\"true_airspeed\", \"theta\", \"q\", \"ax\", \"az\"]"), "{message}");
+}
+
 #[test]
 fn more_parameters_than_there_is_room_for_are_refused() {
     let terms: Vec<String> = (1..=9).flat_map(|a| (1..=3).map(move |q| format!("\"alpha^{a}*q_hat^{q}\""))).collect();

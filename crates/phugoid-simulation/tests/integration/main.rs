@@ -6,6 +6,7 @@ mod shared_data;
 
 mod damage;
 mod declared_by_default;
+mod flap;
 mod golden_flight;
 mod known_base;
 mod scenario_options;
