@@ -151,11 +151,13 @@ def _joined(left: Any, right: Any, mark: str, binds: int, of_left: int, of_right
 
 
 def _maximum(a: Any, b: Any) -> Formula:
-    return (_formula(a) + b + abs(_formula(a) - b)) / 2
+    a, b = _formula(a), _formula(b)
+    return _formula((a + b + abs(a - b)) / 2)
 
 
 def _minimum(a: Any, b: Any) -> Formula:
-    return (_formula(a) + b - abs(_formula(a) - b)) / 2
+    a, b = _formula(a), _formula(b)
+    return _formula((a + b - abs(a - b)) / 2)
 
 
 #: What numpy's own numbers ask for when they stand on the left of a formula.

@@ -122,6 +122,8 @@ def reproduce(case: Case, *, progress: Progress = None) -> Reproduction:
     :raises PhugoidError: if there is no such case, a key or value of it is wrong, or its simulation leaves the range of
         numbers.
     """
+    name: str
+    text: Optional[str]
     if isinstance(case, Plant):
         name, text = type(case).__name__, _phugoid.case_toml(_json(case.case()))
     elif isinstance(case, Mapping):

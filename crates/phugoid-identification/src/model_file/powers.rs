@@ -158,7 +158,7 @@ mod tests {
     #[test]
     fn an_increment_has_the_error_of_the_whole_derivative() {
         let text = "axes = [\"longitudinal\"]\nbase = \"f16\"\n[aircraft]\nmass = 9300\niyy = 75000\nwing_area = 27.87\n\
-                    mean_chord = 3.45\nthrust = 0\nair_density = 0.65\nreference_speed = 200\n[coefficients]\n\
+                    mean_chord = 3.45\ncg = 0.3\nthrust = 0\nair_density = 0.65\nreference_speed = 200\n[coefficients]\n\
                     CL = [\"1\"]\nCm = [\"elevator\"]\n[parameters]\ndCL_0 = { bounds = [-1, 1] }\n";
         let file = ModelFile::parse("mine.toml", text).unwrap();
         let slope = DatabasePart { value: -1.2, ..DatabasePart::default() };

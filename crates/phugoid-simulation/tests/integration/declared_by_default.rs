@@ -31,7 +31,9 @@ fn flown(scenario: &str) -> Flown {
 /// not follow the mass of the file.
 fn model(name: &str, uncertainty: &str, flown: &Flown) -> ModelFile {
     let text = ModelFile::text(name).unwrap();
-    let (rest, _) = text.split_once("[uncertainty]").unwrap();
+    let (before, section) = text.split_once("[uncertainty]").unwrap();
+    let (_, after) = section.split_once("class = \"none\"\n").unwrap();
+    let rest = format!("{before}{after}");
     let changed = rest
         .replace("thrust = \"trim\"", "thrust = { channel = \"thrust\" }")
         .replace("Cm = [\"alpha\", \"q_hat\"]", "Cm = [\"alpha\", \"q_hat\", \"elevator\"]");

@@ -17,15 +17,15 @@ const EXTENDED_S: f64 = 9.0;
 fn a_flap_is_flown_as_constants_and_estimated_as_an_input() {
     let scenario = include_str!("../../../../scenarios/f16-calm.toml");
     let added: Vec<String> = FLOWN.iter().map(|(name, slope)| format!("{name} = {:?}", slope * FLAP)).collect();
-    let scenario =
-        format!("{scenario}\n[[damage]]\nat = \"{EXTENDED_S} s\"\nconstants = {{ {} }}\n", added.join(", "));
+    let scenario = format!("{scenario}\n[[damage]]\nat = \"{EXTENDED_S} s\"\nconstants = {{ {} }}\n", added.join(", "));
     let flight = fly(&Scenario::parse(&scenario, "flap").unwrap()).unwrap();
     let mut record = flight.measured;
     let flap = record.time.iter().map(|time| if *time < EXTENDED_S - 1e-9 { 0.0 } else { FLAP }).collect();
     let pattern = record.channel("elevator").unwrap().clone();
     record.channels.push(Channel { name: "flap".into(), values: flap, ..pattern });
 
-    let mut text = ModelFile::text("f16-model").unwrap().replace("base = \"f16\"", "base = \"f16\"\ninputs = [\"flap\"]");
+    let mut text =
+        ModelFile::text("f16-model").unwrap().replace("base = \"f16\"", "base = \"f16\"\ninputs = [\"flap\"]");
     for (coefficient, _) in FLOWN {
         let list = format!("\n{coefficient} = [\"alpha\"");
         assert!(text.contains(&list), "{coefficient}");
