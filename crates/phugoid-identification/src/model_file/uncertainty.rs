@@ -256,7 +256,8 @@ impl Uncertainty {
             .map(|(quantity, value)| format!("{} {}", quantity.name(), quantity.unit().in_words(value)))
             .collect();
         if list.is_empty() {
-            return "The bounds contain no systematic errors: the model file declares none of airspeed, flow angles, surfaces,                     mass, inertia, centre of gravity and thrust under [uncertainty]."
+            return "The bounds contain no systematic errors: the model file declares none of airspeed, flow angles, surfaces, \
+                    mass, inertia, centre of gravity and thrust under [uncertainty]."
                 .to_owned();
         }
         format!(
@@ -292,6 +293,8 @@ mod tests {
         let (_, after) = section.split_once("class = \"none\"").unwrap();
         assert_eq!(ModelFile::parse("mine.toml", &format!("{before}{after}")).unwrap().uncertainty, usual);
         assert_eq!(ModelFile::named("f16").unwrap().uncertainty, Uncertainty::NONE);
+        let told = Uncertainty::NONE.sentence(true);
+        assert!(told.contains("declares none of airspeed, flow angles, surfaces, mass, inertia"), "{told}");
         assert_eq!(ModelFile::named("hfb320").unwrap().uncertainty, Uncertainty::FLIGHT_TEST);
     }
 

@@ -325,7 +325,7 @@ fn without(file: &ModelFile, lacking: &[&str]) -> Option<String> {
     let named: Vec<Output> = left_out.iter().filter(is_named).copied().collect();
     let also = match named.is_empty() {
         true => String::new(),
-        false => format!(" and take {} out of [noise] and [biases]", names(&named, "`")),
+        false => format!(", and take {} out of [noise] and [biases]", names(&named, "`")),
     };
     let vane = left_out.iter().any(|output| matches!(output, Output::Alpha | Output::Beta));
     let why = if vane { ": without a vane the flow angles follow from the motion" } else { "" };
