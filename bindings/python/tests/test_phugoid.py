@@ -628,3 +628,21 @@ def test_ray_makes_the_store_that_this_machine_makes(logs, tmp_path):
     summary = phugoid.fleet(str(logs), "f16-model", tmp_path / "ray", engine="ray", workers=2)
     assert (summary["estimated"], summary["refused"]) == (4, 1)
     assert content(tmp_path / "ray") == content(tmp_path / "local")
+
+
+def test_a_notebook_without_tqdm_gets_one_output_that_changes():
+    shown = []
+
+    class Handle:
+        def update(self, content, raw):
+            shown.append(content["text/plain"])
+
+    def display(content, raw, display_id):
+        shown.append(content["text/plain"])
+        return Handle()
+
+    cell = phugoid._progress._Cell("estimating", display)
+    for k in range(1000):
+        cell.to(k / 1000)
+    cell.close()
+    assert shown[0] == "estimating:   0 %" and shown[-1] == "estimating: 100 %" and len(shown) <= 21

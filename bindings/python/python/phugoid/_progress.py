@@ -19,11 +19,45 @@ def reporter(progress: Progress, title: str) -> Iterator[Optional[Callable[[floa
     elif callable(progress):
         yield progress
     else:
-        bar = _tqdm(title) or _Line(title)
+        bar = _tqdm(title) or _cell(title) or _Line(title)
         try:
             yield bar.to
         finally:
             bar.close()
+
+
+class _Cell:
+    """A line in the output of a notebook's cell, for where tqdm is not installed. It is one output that changes: each line
+    that is written to a stream stays in the file of the notebook."""
+
+    #: Percent between two changes.
+    _STEP = 5
+
+    def __init__(self, title: str, display: Callable[..., Any]) -> None:
+        self._title, self._shown, self._lock = title, 0, threading.Lock()
+        self._handle = display(self._content(0), raw=True, display_id=True)
+
+    def _content(self, percent: int) -> dict[str, str]:
+        return {"text/plain": f"{self._title}: {percent:3d} %"}
+
+    def to(self, fraction: float) -> None:
+        percent = int(100 * fraction)
+        with self._lock:
+            if percent >= self._shown + self._STEP:
+                self._shown = percent
+                self._handle.update(self._content(percent), raw=True)
+
+    def close(self) -> None:
+        self._handle.update(self._content(100), raw=True)
+
+
+def _cell(title: str) -> Optional[_Cell]:
+    """None where this is no notebook."""
+    if "ipykernel" not in sys.modules:
+        return None
+    from IPython.display import display
+
+    return _Cell(title, display)
 
 
 class _Line:

@@ -159,7 +159,8 @@ def reproduction_html(name: str, title: str, rows: Iterable[dict[str, Any]]) -> 
         ]
 
     table = _table(head, map(row, rows), ["method", "parameter", "what it does"])
-    return f"<div><div><b>{escape(name)}</b>: {escape(title)}</div>{table}</div>"
+    called = "" if title == name else f": {escape(title)}"
+    return f"<div><div><b>{escape(name)}</b>{called}</div>{table}</div>"
 
 
 def _pyplot() -> Any:
