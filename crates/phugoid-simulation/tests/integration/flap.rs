@@ -17,7 +17,13 @@ const EXTENDED_S: f64 = 9.0;
 fn a_flap_is_flown_as_constants_and_estimated_as_an_input() {
     let scenario = include_str!("../../../../scenarios/f16-calm.toml");
     let added: Vec<String> = FLOWN.iter().map(|(name, slope)| format!("{name} = {:?}", slope * FLAP)).collect();
-    let scenario = format!("{scenario}\n[[damage]]\nat = \"{EXTENDED_S} s\"\nconstants = {{ {} }}\n", added.join(", "));
+    // A damage stands in place of the increments from the start, which go on here.
+    let (_, increments) = scenario.split_once("[increments]\n").unwrap();
+    let increments = increments.lines().take_while(|line| line.starts_with('d')).collect::<Vec<_>>().join(", ");
+    let scenario = format!(
+        "{scenario}\n[[damage]]\nat = \"{EXTENDED_S} s\"\nincrements = {{ {increments} }}\nconstants = {{ {} }}\n",
+        added.join(", ")
+    );
     let flight = fly(&Scenario::parse(&scenario, "flap").unwrap()).unwrap();
     let mut record = flight.measured;
     let flap = record.time.iter().map(|time| if *time < EXTENDED_S - 1e-9 { 0.0 } else { FLAP }).collect();
