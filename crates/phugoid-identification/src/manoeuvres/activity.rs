@@ -70,7 +70,7 @@ fn smoothed(sampled: &Sampled, settings: &Settings) -> (Vec<f64>, f64) {
     let range = at(&mut sorted, 0.99) - at(&mut sorted, 0.01);
     let wanted = (settings.sigmas * sampled.noise / (NOISE_OF_RANGE * range)).powi(2);
     let most = median_step(&sampled.time).map_or(1.0, |step| MEAN_OF_WINDOW * settings.window_s / step);
-    let half = (0.5 * (wanted.min(most) - 1.0)).ceil();
+    let half = (0.5 * (wanted - 1.0)).ceil().min((0.5 * (most - 1.0)).floor());
     if half.is_nan() || half < 1.0 || range < SMALL_INPUT * settings.sigmas * sampled.noise {
         return (clean, sampled.noise);
     }
