@@ -134,6 +134,28 @@ def feedback_flights(spec: Aircraft, split: str, repetition: int | None = None) 
     return out
 
 
+def _quiet() -> list[dict]:
+    """Flights in which nobody moves a stick: air, control loops, instruments, a re-trim and a change of thrust."""
+    poor = _noise(3.0)
+    air = (("calm", 0.0), ("light", 0.8), ("moderate", 1.8))
+    loops = [dict(name=f"{name}-{loop}", group=f"{name} air", gust=gust, loop=loop) for name, gust in air for loop in ("open", "damper", "attitude")]
+    return loops + [
+        dict(name="light-attitude-25", group="light air", gust=0.8, loop="attitude", rate_hz=25),
+        dict(name="light-attitude-100", group="light air", gust=0.8, loop="attitude", rate_hz=100),
+        dict(name="poor-attitude", group="poor instruments", gust=0.8, loop="attitude", instruments=poor),
+        dict(name="poor-open", group="poor instruments", gust=0.0, loop="open", instruments=poor),
+        dict(name="filtered-attitude", group="common filter", gust=0.8, loop="attitude", instruments={"common_lag": 0.025}, rate_hz=100),
+        dict(name="thrust-attitude", group="change of thrust", gust=0.4, loop="attitude", thrust=((12.0, 0.7),)),
+    ]
+
+
+def quiet_flights(spec: Aircraft, split: str, repetition: int | None = None) -> list[Plan]:
+    """Flights of one aircraft without any manoeuvre, to count what is found where nothing is."""
+    quiet = [one | {"name": f"quiet-{one['name']}"} for one in _quiet()]
+    named = [(axes, [one | {"name": f"{prefix}{one['name']}"} for one in quiet]) for axes, prefix in (("longitudinal", ""), ("lateral", "lat-"))]
+    return _planned(spec, split, repetition, named)
+
+
 # Terms that an aircraft has beside those of its model file, with the part of the coefficient's motion that they make.
 ADDED = {
     "longitudinal": ({}, {"Cm_V": 0.15}, {"Cm_alpha2": 0.15}, {"CL_alpha2": 0.08}, {"CD_abs_elevator": 0.4}, {"Cm_abs_elevator": 0.15}),

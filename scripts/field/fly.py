@@ -130,8 +130,8 @@ def fly(sim: Simulator, plan: Plan, rng) -> Flown:
             trim["rudder"] + commands["rudder"][k] + gr * r,
         )
         if system:
-            added = system.step(step, phi, theta, p, q, r, get("aero/beta-rad"), get("position/h-sl-ft") * FT, where[1] - trim["aileron"])
-            asked = tuple(a + b for a, b in zip(asked, added))
+            feedback = system.step(step, phi, theta, p, q, r, get("aero/beta-rad"), get("position/h-sl-ft") * FT, where[1] - trim["aileron"])
+            asked = tuple(a + b for a, b in zip(asked, feedback))
         where = tuple(x + lag * (min(max(a, -limit), limit) - x) for x, a in zip(where, asked))
         sim.set_surfaces(*where)
         sim.set_thrust(thrust[k])

@@ -2,54 +2,77 @@
 """Compares the manoeuvres that `phugoid inspect` finds with those that the field flew:
 
     scripts/field/manoeuvres.py target/release/phugoid target/field develop
+    scripts/field/manoeuvres.py target/release/phugoid target/strangers look-once --strangers --repetition 303
+    scripts/field/manoeuvres.py target/release/phugoid target/quiet develop --quiet
 
-A manoeuvre counts as found if an input of its surface begins within 0.8 s of its planned start (0.3 s of it are drawn). Its kind counts as right if it is the one
-that was flown: a 2-3-1-1 is a multi-step, and a random stick is an `other` input. Where several random sticks are
-flown at once, one surface is enough. The flights with a random stick and a re-trim are in the table of all groups.
+A manoeuvre counts as found if an input of its surface begins within 0.8 s of its planned start (0.3 s of it are drawn). Its
+kind counts as right if it is the one that was flown: a 2-3-1-1 is a multi-step, and a random stick is an `other` input. The
+last column counts inputs where none was flown; some of them are motions that the surface made: a re-trim, what a control loop
+does after a damage, a rudder that is coupled to the ailerons. In flights without manoeuvres (`--quiet`) every input is false.
 """
 
+import argparse
 import collections
 import json
 import pathlib
 import subprocess
-import sys
 
-from aircraft import FLEET
-from catalogue import flights
+from aircraft import FLEET, NEWCOMERS, STRANGERS
+from catalogue import feedback_flights, flights, quiet_flights
 
 KINDS = {"3211": "3-2-1-1", "doublet": "doublet", "pulse": "pulse", "2311": "multi-step", "stick": "other"}
 
 
+def part(count: int, of: int) -> str:
+    return f"{100 * count / of:5.1f}%" if of else "     -"
+
+
 def main() -> None:
-    program, field, split = sys.argv[1:4]
-    words = sys.argv[4:]
-    table = collections.defaultdict(lambda: [0, 0, 0, 0])
-    for spec in FLEET:
-        for plan in flights(spec, split):
-            path = pathlib.Path(field, split, spec.name, f"{plan.name}.csv")
-            if not path.exists() or (words and not any(w in plan.name for w in words)):
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("program")
+    parser.add_argument("field", type=pathlib.Path)
+    parser.add_argument("split", choices=("develop", "look-once"))
+    parser.add_argument("words", nargs="*", help="flights whose name contains one of these")
+    parser.add_argument("--repetition", type=int)
+    fleets = parser.add_mutually_exclusive_group()
+    fleets.add_argument("--strangers", action="store_true")
+    fleets.add_argument("--newcomers", action="store_true")
+    catalogues = parser.add_mutually_exclusive_group()
+    catalogues.add_argument("--feedback", action="store_true")
+    catalogues.add_argument("--quiet", action="store_true")
+    arguments = parser.parse_args()
+    fleet = STRANGERS if arguments.strangers else NEWCOMERS if arguments.newcomers else FLEET
+    catalogue = feedback_flights if arguments.feedback else quiet_flights if arguments.quiet else flights
+    table = collections.defaultdict(lambda: [0] * 5)
+    for spec in fleet:
+        for plan in catalogue(spec, arguments.split, arguments.repetition):
+            path = arguments.field / arguments.split / spec.name / f"{plan.name}.csv"
+            if not path.exists() or (arguments.words and not any(w in plan.name for w in arguments.words)):
                 continue
-            found = json.loads(subprocess.run([program, "inspect", str(path), "--json"], capture_output=True, check=True).stdout)
-            inputs = [i for m in found["found"]["manoeuvres"] for i in m["inputs"]]
+            answer = subprocess.run([arguments.program, "inspect", str(path), "--json"], capture_output=True, check=True).stdout
+            inputs = [i for m in json.loads(answer)["found"]["manoeuvres"] for i in m["inputs"]]
             row = table[f"{plan.axes} {plan.group}"]
+            row[0] += 1
             taken = []
             for manoeuvre in plan.manoeuvres:
                 kind, surface, start = manoeuvre[:3]
-                row[0] += 1
+                row[1] += 1
                 near = [i for i in inputs if i["surface"] == surface and abs(i["onset_s"] - start) <= 0.8]
                 taken += near
-                row[1] += bool(near)
+                row[2] += bool(near)
                 right = any(i["kind"] == KINDS[kind] for i in near)
-                row[2] += right
+                row[3] += right
                 if not right:
                     around = [(i["kind"], round(i["onset_s"], 2), round(i["end_s"], 2)) for i in inputs if i["surface"] == surface]
                     print(spec.name, plan.name, plan.rate_hz, kind, surface, start, "found:", around)
-            row[3] += len([i for i in inputs if i not in taken])
-    print(f"{'group':40} flown found kind more")
-    for name, row in sorted(table.items()):
-        print(f"{name:40} {row[0]:5} {100 * row[1] / row[0]:4.0f}% {100 * row[2] / row[0]:3.0f}% {row[3]:4}")
-    all_ = [sum(row[k] for row in table.values()) for k in range(4)]
-    print(f"{'all':40} {all_[0]:5} {100 * all_[1] / all_[0]:4.1f}% {100 * all_[2] / all_[0]:4.1f}% {all_[3]:4}")
+            more = [i for i in inputs if i not in taken]
+            row[4] += len(more)
+            for i in more:
+                print(spec.name, plan.name, plan.rate_hz, "more:", i["surface"], i["kind"], round(i["onset_s"], 2), round(i["end_s"], 2))
+    table["all"] = [sum(row[k] for row in table.values()) for k in range(5)]
+    print(f"{'group':40} flights flown  found   kind more")
+    for name, (of, flown, found, right, more) in sorted(table.items(), key=lambda row: (row[0] == "all", row[0])):
+        print(f"{name:40} {of:7} {flown:5} {part(found, flown)} {part(right, flown)} {more:4}")
 
 
 main()

@@ -39,6 +39,7 @@ pub(crate) fn record(read: Read<'_>, options: &TableOptions, mut report: Quality
     if let Some(column) = plan.time.as_mut().filter(|column| column.unit_assumed) {
         match unit_of_time(&table.time) {
             Some((symbol, unit)) => read_as(column, symbol, unit, &mut table.time, &mut report),
+            None if are_day_numbers(&table.time) => read_as_days(column, &mut table.time, &mut report),
             None => columns::report_assumed_unit(column, &mut report),
         }
     }
@@ -117,6 +118,34 @@ fn unit_of_time(time: &[f64]) -> Option<(&'static str, f64)> {
     // Rows may be in disorder, and rows of equal time are merged later.
     let mut steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0).collect();
     (steps.len() >= ENOUGH_ROWS).then(|| median(&mut steps).and_then(unit_of_step)).flatten()
+}
+
+/// The day numbers of spreadsheets that flights can have, and the steps between rows, s, of a recorder.
+const DAY_NUMBERS: std::ops::Range<f64> = 10_000.0..100_000.0;
+const STEPS_S: std::ops::RangeInclusive<f64> = 5e-4..=2.0;
+const SECONDS_PER_DAY: f64 = 86_400.0;
+
+/// Whether times are the day numbers in which a spreadsheet keeps dates (45413.5 is noon on 2024-05-01): no recorder has steps
+/// of microseconds.
+fn are_day_numbers(time: &[f64]) -> bool {
+    let mut steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0).collect();
+    time.iter().all(|t| DAY_NUMBERS.contains(t))
+        && steps.len() >= ENOUGH_ROWS
+        && median(&mut steps).is_some_and(|step| STEPS_S.contains(&(step * SECONDS_PER_DAY)))
+}
+
+/// Reads day numbers, counted from the first of them so that no digit is lost, and says so.
+fn read_as_days(column: &mut ColumnUse, time: &mut [f64], report: &mut QualityReport) {
+    let first = time.first().copied().unwrap_or(0.0);
+    time.iter_mut().for_each(|t| *t = (*t - first) * SECONDS_PER_DAY);
+    column.scale *= SECONDS_PER_DAY;
+    report.warn(
+        format!("column '{}'", column.header),
+        format!(
+            "no unit is written, and its values are the day numbers of a spreadsheet, the first of them {first:.6}: taken as \
+             days and counted from the first row. Write the times as clock times or as seconds (time_s)",
+        ),
+    );
 }
 
 /// Reads the times in another unit than seconds, and says so.

@@ -3,6 +3,7 @@
 
 mod assemble;
 pub(crate) mod clock;
+mod coarse_times;
 pub(crate) mod columns;
 mod derived;
 mod error;

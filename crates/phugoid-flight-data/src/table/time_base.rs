@@ -1,7 +1,7 @@
 //! Makes strictly increasing times of the times in a file.
 
 use crate::quality::QualityReport;
-use crate::table::TableError;
+use crate::table::{TableError, coarse_times};
 use crate::wording::{Counted, Lines, Short, plural};
 
 /// The rows as read: a finite time, the number of the line or row in the file, and one value per channel.
@@ -32,6 +32,7 @@ pub(crate) fn put_in_order(
     report: &mut QualityReport,
 ) -> Result<(), TableError> {
     let mut rows: Vec<usize> = longest_part(table, report);
+    coarse_times::spread(table, &rows, report);
     merge_equal_times(table, &mut rows, report);
     let rising = longest_rising(&table.time, &rows);
     if 2 * rising.len() < rows.len() {
@@ -160,8 +161,8 @@ fn merge_equal_times(table: &mut Table, rows: &mut Vec<usize>, report: &mut Qual
             message += &format!("; {differing} of the values differ and the first is kept");
         }
         if differing > 0 && 2 * merged.count() > kept.len() {
-            message += ". The time seems to be written with too few digits for the rate of the rows: write more digits, \
-                        or give the sample time";
+            message += ". The time seems to be written with too few digits for the rate of the rows, and the rows are not \
+                        evenly spaced: write more digits, or give the sample time (--sample-time 0.02s)";
         }
         report.warn(merged.place(), message);
     }

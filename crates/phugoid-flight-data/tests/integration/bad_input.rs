@@ -417,7 +417,10 @@ fn a_time_with_too_few_digits_is_said() {
     for row in 0..100 {
         writeln!(text, "{:.1},{row}", 0.01 * f64::from(row)).unwrap();
     }
-    says(&good(&text), &["written with too few digits"]);
+    let record = good(&text);
+    assert_eq!(record.time.len(), 100);
+    assert!(record.time.windows(2).all(|pair| (pair[1] - pair[0] - 0.01).abs() < 3e-4), "{:?}", record.time);
+    says(&record, &["time: written to 0.1 s alone", "evenly spaced, 0.01 s apart", "--sample-time 0.01s"]);
 }
 
 #[test]

@@ -31,6 +31,7 @@ mod memory;
 mod plausibility;
 mod properties;
 mod tables;
+mod times;
 mod tlog;
 mod ulog;
 mod units_document;

@@ -1,19 +1,24 @@
 //! Where a control surface moves.
 
-use phugoid_flight_data::statistics::{Rank, median, quantile};
+use phugoid_flight_data::statistics::{Rank, median, median_step, quantile};
 
-use super::feedback;
+use super::feedback::{self, means};
 use super::input::SurfaceInput;
 use super::record::{Sampled, Signals};
 use super::settings::Settings;
-use super::shape;
+use super::stretches::{SMALLEST, View};
 
-/// Smallest motion of a surface that counts, rad: rounding is not an input.
-const SMALLEST: f64 = 1e-4;
 /// A surface counts as moved on purpose where its travel is this many times its usual travel.
 const ABOVE_USUAL: f64 = 2.5;
 /// Stretches stand out where their median travel is this many times the median travel outside.
 const CONTRAST: f64 = 6.0;
+/// Means are taken of the positions where so many sigmas as make a motion are more than this part of their range, ...
+const NOISE_OF_RANGE: f64 = 0.25;
+/// ... over this part of the window at most, ...
+const MEAN_OF_WINDOW: f64 = 0.3;
+/// ... where the range is so many times what makes a motion: means shall show the edges of an input to both sides, and not the
+/// smaller work of a control loop.
+const SMALL_INPUT: f64 = 1.5;
 /// An input has to depart by this many times as far as the surface ordinarily wanders in the time that it takes ...
 const WANDER: f64 = 4.0;
 /// ... at most so many seconds, so long before and after it, and by at least so many pairs of samples ...
@@ -30,9 +35,9 @@ const LARGE_PART: f64 = 0.25;
 /// The motions of one surface.
 pub(crate) fn inputs(signals: &Signals<'_>, surface: &str, settings: &Settings) -> Vec<SurfaceInput> {
     let Some(sampled) = &feedback::commanded(signals, surface) else { return Vec::new() };
-    let clean = medians(&sampled.values);
+    let (clean, noise) = smoothed(sampled, settings);
     let travel = travel(&sampled.time, &clean, settings.window_s);
-    let threshold = SMALLEST.max(settings.sigmas * sampled.noise);
+    let threshold = SMALLEST.max(settings.sigmas * noise);
     // A control loop moves a surface all the time: the travel in the quietest quarter of the samples is not an input.
     let usual = quantile(&mut travel.clone(), 0.25, Rank::Lower).unwrap_or(0.0);
     let mut stretches = stretches(&travel, threshold.max(ABOVE_USUAL * usual));
@@ -48,7 +53,28 @@ pub(crate) fn inputs(signals: &Signals<'_>, surface: &str, settings: &Settings) 
         let wander = wander(&sampled.time, &clean, input.onset_s, input.end_s);
         input.peak_rad.abs() >= WANDER * wander || seconds > LARGE_PART * whole
     };
-    view.joined(&stretches).into_iter().filter_map(|stretch| view.input(surface, stretch)).filter(stands).collect()
+    let parts: Vec<_> = view.joined(&stretches).into_iter().flat_map(|stretch| view.parts(stretch)).collect();
+    let input = |k: usize| {
+        let (before, after) = (k.checked_sub(1).map(|k| parts[k].1), parts.get(k + 1).map(|next| next.0));
+        view.input(surface, parts[k], before, after)
+    };
+    (0..parts.len()).filter_map(input).filter(stands).collect()
+}
+
+/// The position without wild values and one sigma of its noise. Where ten sigmas are a large part of the range, as of a
+/// potentiometer, means of neighbours are taken, as few as make them a small part.
+fn smoothed(sampled: &Sampled, settings: &Settings) -> (Vec<f64>, f64) {
+    let clean = medians(&sampled.values);
+    let mut sorted = clean.clone();
+    let at = |sorted: &mut Vec<f64>, part: f64| quantile(sorted, part, Rank::Lower).unwrap_or(f64::NAN);
+    let range = at(&mut sorted, 0.99) - at(&mut sorted, 0.01);
+    let wanted = (settings.sigmas * sampled.noise / (NOISE_OF_RANGE * range)).powi(2);
+    let most = median_step(&sampled.time).map_or(1.0, |step| MEAN_OF_WINDOW * settings.window_s / step);
+    let half = (0.5 * (wanted - 1.0)).ceil().min((0.5 * (most - 1.0)).floor());
+    if half.is_nan() || half < 1.0 || range < SMALL_INPUT * settings.sigmas * sampled.noise {
+        return (clean, sampled.noise);
+    }
+    (means(&clean, half as usize), sampled.noise / (2.0 * half + 1.0).sqrt())
 }
 
 /// Whether the typical travel within the stretches is several times that outside.
@@ -87,121 +113,6 @@ fn wander(time: &[f64], values: &[f64], onset_s: f64, end_s: f64) -> f64 {
             return near / (NEAR_SIGMAS * std::f64::consts::SQRT_2);
         }
         apart *= 0.5;
-    }
-}
-
-struct View<'a> {
-    sampled: &'a Sampled,
-    clean: &'a [f64],
-    settings: &'a Settings,
-    threshold: f64,
-}
-
-impl View<'_> {
-    fn time(&self, k: usize) -> f64 {
-        self.sampled.time.get(k).copied().unwrap_or(f64::NAN)
-    }
-
-    /// Median of the values from one time to another; the value at `k` if there are none.
-    fn level(&self, from_s: f64, to_s: f64, k: usize) -> f64 {
-        let range = self.sampled.range(from_s, to_s);
-        median(&mut self.clean[range].to_vec()).unwrap_or(self.clean[k])
-    }
-
-    /// From the samples whose window shows motion to the motion itself: first sample that has left its level, and the
-    /// one from which the surface stays at its new level.
-    fn trimmed(&self, (first, last): (usize, usize)) -> (usize, usize) {
-        let small = self.threshold / 3.0;
-        let begin = self.time(first);
-        let before = self.level(begin - self.settings.lead_s, begin - self.settings.window_s, first.saturating_sub(1));
-        let mut onset = first;
-        while onset > 0
-            && begin - self.time(onset - 1) <= self.settings.window_s
-            && (self.clean[onset - 1] - before).abs() > small
-        {
-            onset -= 1;
-        }
-        let finish = self.time(last);
-        let after = self.level(finish, finish + self.settings.lead_s, last);
-        let mut end = last;
-        while end > onset && (self.clean[end - 1] - after).abs() <= small {
-            end -= 1;
-        }
-        (onset, end)
-    }
-
-    /// Motions that are less than a settling time apart, and motions between which the surface was held away from where
-    /// it had been before the first, as long as it comes back there.
-    fn joined(&self, stretches: &[(usize, usize)]) -> Vec<(usize, usize)> {
-        let mut joined = Vec::new();
-        let mut index = 0;
-        while index < stretches.len() {
-            let count = self.held(&stretches[index..]).unwrap_or_else(|| self.close(&stretches[index..]));
-            joined.push((stretches[index].0, stretches[index + count - 1].1));
-            index += count;
-        }
-        joined
-    }
-
-    fn gap(&self, before: (usize, usize), next: (usize, usize)) -> f64 {
-        self.time(next.0) - self.time(before.1)
-    }
-
-    /// How many of the first stretches follow one another within the settling time.
-    fn close(&self, stretches: &[(usize, usize)]) -> usize {
-        1 + stretches.windows(2).take_while(|pair| self.gap(pair[0], pair[1]) < self.settings.settling_s).count()
-    }
-
-    /// How many of the first stretches it takes until the surface is back for at least the settling time; none if it is
-    /// not held in between, or does not come back.
-    fn held(&self, stretches: &[(usize, usize)]) -> Option<usize> {
-        let (onset, _) = *stretches.first()?;
-        let base = self.base(onset);
-        for (index, &(_, end)) in stretches.iter().enumerate() {
-            let next = stretches.get(index + 1);
-            let gap = next.map_or(f64::INFINITY, |next| self.gap(stretches[index], *next));
-            let until = next.map_or(f64::INFINITY, |next| self.time(next.0) - 1e-6);
-            let level = self.level(self.time(end), until.min(self.time(end) + self.settings.lead_s), end) - base;
-            let back = level.abs() <= shape::BACK * self.peak(onset, end, base).abs();
-            if back && gap >= self.settings.settling_s {
-                return Some(index + 1);
-            }
-            if !back && gap > self.settings.held_s {
-                return None;
-            }
-        }
-        None
-    }
-
-    fn base(&self, onset: usize) -> f64 {
-        let begin = self.time(onset);
-        let step = self.time(onset) - self.time(onset.saturating_sub(1));
-        self.level(begin - self.settings.lead_s, begin - 0.5 * step, onset.saturating_sub(1))
-    }
-
-    fn peak(&self, onset: usize, end: usize, base: f64) -> f64 {
-        let departures = self.clean[onset..=end].iter().map(|v| v - base);
-        departures.fold(0.0, |most: f64, d| if d.abs() > most.abs() { d } else { most })
-    }
-
-    fn input(&self, surface: &str, (onset, end): (usize, usize)) -> Option<SurfaceInput> {
-        let base = self.base(onset);
-        let peak = self.peak(onset, end, base);
-        if peak.abs() < SMALLEST {
-            return None;
-        }
-        let to = self.time(end) + self.settings.lead_s.min(self.settings.settling_s);
-        let range = self.sampled.range(self.time(onset), to);
-        let time = &self.sampled.time[range.clone()];
-        let departures: Vec<f64> = self.clean[range].iter().map(|v| v - base).collect();
-        Some(SurfaceInput {
-            surface: surface.to_owned(),
-            onset_s: self.time(onset),
-            end_s: self.time(end),
-            peak_rad: peak,
-            kind: shape::kind(time, &departures),
-            frequency_hz: shape::frequency(time, &departures, self.time(end) - self.time(onset)),
-        })
     }
 }
 
@@ -256,6 +167,7 @@ fn stretches(travel: &[f64], threshold: f64) -> Vec<(usize, usize)> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::shape;
     use super::*;
 
     use phugoid_flight_data::record::Record;
@@ -339,6 +251,64 @@ mod tests {
         let [only] = found.as_slice() else { panic!("{found:?}") };
         assert!(only.kind == shape::Kind::ThreeTwoOneOne && (only.onset_s - 30.0).abs() < 0.1, "{only:?}");
         assert!((only.peak_rad.abs() - 0.0175).abs() < 0.004, "{only:?}");
+    }
+
+    /// A doublet of a second to each side from the beginning on, of one degree.
+    fn doublet(t: f64) -> f64 {
+        match t {
+            t if (0.0..1.0).contains(&t) => 0.0175,
+            t if (1.0..2.0).contains(&t) => -0.0175,
+            _ => 0.0,
+        }
+    }
+
+    #[test]
+    fn a_trim_that_was_changed_before_an_input_is_no_part_of_it() {
+        // Parts of the input, by a control loop after a damage.
+        for part in [0.07, 0.2, 0.5] {
+            let trim = |t: f64| if t > 28.0 { part * 0.0175 } else { 0.0 };
+            let found = found(|t| trim(t) + doublet(t - 33.0) + input_3211(t - 42.0));
+            let near = |at: f64| found.iter().find(|i| (i.onset_s - at).abs() < 0.3).map(|i| i.kind);
+            assert_eq!(near(33.0), Some(shape::Kind::Doublet), "{part}: {found:?}");
+            assert_eq!(near(42.0), Some(shape::Kind::ThreeTwoOneOne), "{part}: {found:?}");
+        }
+    }
+
+    #[test]
+    fn an_input_that_the_record_cuts_is_one() {
+        // Steps of three seconds and more to both sides; the record ends during the last.
+        let levels = [(50.0, 3.2, 0.0175), (53.2, 4.8, -0.0175), (58.0, 9.0, 0.0175)];
+        let input = |t: f64| levels.iter().find(|l| (l.0..l.0 + l.1).contains(&t)).map_or(0.0, |l| l.2);
+        let found = found(input);
+        let [only] = found.as_slice() else { panic!("{found:?}") };
+        assert!(only.kind == shape::Kind::MultiStep && (only.onset_s - 50.0).abs() < 0.1, "{only:?}");
+    }
+
+    #[test]
+    fn what_follows_a_3211_without_a_rest_is_another_input() {
+        let stick = |t: f64| if (0.0..9.0).contains(&t) { 0.006 * ((2.3 * t).sin() + (4.1 * t).sin()) } else { 0.0 };
+        let found = found(|t| input_3211(t - 10.0) + stick(t - 15.2));
+        let kinds: Vec<_> = found.iter().map(|i| (i.kind, (i.onset_s * 2.0).round() / 2.0)).collect();
+        assert_eq!(kinds, [(shape::Kind::ThreeTwoOneOne, 10.0), (shape::Kind::Other, 15.5)], "{found:?}");
+        // A longer sequence of steps that was designed as one stays one.
+        let longer = |t: f64| if (4.9..5.6).contains(&t) { 0.0175 } else { input_3211(t) };
+        assert_eq!(self::found(|t| longer(t - 10.0)).len(), 1);
+    }
+
+    #[test]
+    fn an_input_of_a_few_sigmas_is_seen_through_the_noise_of_a_transducer() {
+        // Noise of 0.12 deg, one sigma, under a doublet of one degree: its first edge is eight sigmas high.
+        let mut record = recorded(|t| doublet(t - 30.0));
+        let quiet = recorded(|_| 0.0);
+        let scale = |values: &[f64], of: &[f64]| values.iter().zip(of).map(|(v, n)| v + 3.0 * n).collect();
+        let noise = quiet.channels[0].values.clone();
+        record.channels[0].values = scale(&record.channels[0].values, &noise);
+        let found = inputs(&Signals::of(&record), "elevator", &Settings::default());
+        let [only] = found.as_slice() else { panic!("{found:?}") };
+        assert!(only.kind == shape::Kind::Doublet && (only.onset_s - 30.0).abs() < 0.15, "{only:?}");
+        // The noise alone is no input.
+        record.channels[0].values = noise.iter().map(|n| 4.0 * n).collect();
+        assert_eq!(inputs(&Signals::of(&record), "elevator", &Settings::default()), []);
     }
 
     #[test]

@@ -36,6 +36,7 @@ mod record;
 mod settings;
 mod shape;
 mod short_period;
+mod stretches;
 mod support;
 mod unforced;
 

@@ -120,6 +120,23 @@ fn is_3211(seconds: &[f64]) -> bool {
         .all(|(units, s)| (s / unit - units).abs() < 0.4 * f64::max(1.0, 0.5 * units))
 }
 
+/// When a 3-2-1-1 is over, s, that begins an input of something else: its four runs are steps, and what follows is another
+/// 3-2-1-1, or does not go on with steps one after the other.
+pub(crate) fn end_of_3211(time: &[f64], departures: &[f64]) -> Option<f64> {
+    let runs = runs(time, departures);
+    let (first, rest) = runs.split_at_checked(4).filter(|(_, rest)| !rest.is_empty())?;
+    let is_one = |runs: &[Run]| {
+        let seconds: Vec<f64> = runs.iter().map(Run::seconds).collect();
+        runs.iter().all(Run::is_flat)
+            && runs.windows(2).all(|pair| pair[0].positive != pair[1].positive)
+            && is_3211(&seconds)
+    };
+    let unit = first.iter().map(Run::seconds).sum::<f64>() / 7.0;
+    let goes_on = runs[3..].windows(2).all(|pair| pair[1].is_flat() && pair[1].from_s - pair[0].to_s < 0.5 * unit);
+    let another = rest.len() == 4 && is_one(rest);
+    (is_one(first) && (another || !goes_on)).then_some(first[3].to_s)
+}
+
 /// A sine or a sweep, by the lengths of half periods. The first and the last may be cut.
 fn periodic(seconds: &[f64]) -> Option<Kind> {
     let inner = seconds.get(1..seconds.len() - 1)?;

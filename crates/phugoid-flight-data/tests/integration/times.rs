@@ -1,0 +1,107 @@
+//! The same flight, eight seconds at 50 Hz, with its times written in every form that recorders and spreadsheets have.
+
+use phugoid_flight_data::csv::{self, CsvOptions};
+use phugoid_flight_data::record::Record;
+
+const STEP_S: f64 = 0.02;
+const ROWS: u32 = 400;
+/// A time, s, as text.
+type Written = Box<dyn Fn(f64) -> String>;
+/// Noon on 2024-05-01, UTC.
+const NOON: f64 = 1_714_564_800.0;
+
+fn read(header: &str, time: impl Fn(f64) -> String) -> Record {
+    let row = |k: u32| {
+        let t = STEP_S * f64::from(k);
+        format!("{},{:.4}\n", time(t), (3.0 * t).sin())
+    };
+    let rows: String = (0..ROWS).map(row).collect();
+    csv::read(format!("{header},alpha_deg\n{rows}").as_bytes(), "flight.csv", &CsvOptions::default()).unwrap()
+}
+
+/// A time of day, s from midnight, with so many decimals of the second, cut off as clocks do.
+fn clock(of_day: f64, decimals: usize) -> String {
+    let unit = 10_f64.powi(i32::try_from(decimals).unwrap());
+    let of_day = ((of_day * unit + 1e-6).floor() / unit).rem_euclid(86_400.0);
+    let (hours, minutes) = ((of_day / 3600.0).floor(), (of_day / 60.0).floor() % 60.0);
+    let width = if decimals == 0 { 2 } else { 3 + decimals };
+    format!("{hours:02}:{minutes:02}:{:0width$.decimals$}", of_day - 3600.0 * hours - 60.0 * minutes)
+}
+
+fn says(record: &Record, words: &str) -> bool {
+    record.quality.findings.iter().any(|finding| finding.message.contains(words))
+}
+
+/// Largest difference of the steps between rows from the true one, s.
+fn off(record: &Record) -> f64 {
+    let (first, last) = (record.time[0], record.time[record.time.len() - 1]);
+    let even = record.time.iter().enumerate().map(|(k, t)| (t - first - STEP_S * k as f64).abs());
+    assert!((last - first - STEP_S * f64::from(ROWS - 1)).abs() < 2.0 * STEP_S, "{first} to {last}");
+    even.fold(0.0, f64::max)
+}
+
+#[test]
+fn every_form_of_times_gives_the_same_record() {
+    let date = |t: f64, decimals| format!("2024-05-01T{}", clock(43_200.0 + t, decimals));
+    let forms: Vec<(&str, Written)> = vec![
+        ("time_s", Box::new(|t| format!("{t:.3}"))),
+        ("time_ms", Box::new(|t| format!("{:.0}", 1e3 * t))),
+        ("time", Box::new(|t| format!("{:.0}", 1e3 * t))),
+        ("time", Box::new(|t| format!("{:.0}", 1e6 * t))),
+        ("time", Box::new(|t| format!("{:.0}", 1e9 * t))),
+        ("timestamp", Box::new(|t| format!("{:.3}", NOON + t))),
+        ("timestamp", Box::new(|t| format!("{:.0}", 1e3 * (NOON + t)))),
+        ("timestamp", Box::new(|t| format!("{:.0}", 1e6 * (NOON + t)))),
+        // Sixteen digits of nineteen are what a number has: to the microsecond.
+        ("timestamp", Box::new(|t| format!("{:.0}000", 1e6 * (NOON + t)))),
+        ("time [min]", Box::new(|t| format!("{:.7}", t / 60.0))),
+        ("time", Box::new(move |t| clock(43_200.25 + t, 3))),
+        ("time", Box::new(move |t| format!("{} PM", clock(3600.0 + t, 2)))),
+        // Over midnight, without a date.
+        ("time", Box::new(move |t| clock(86_396.0 + t, 2))),
+        ("irig", Box::new(move |t| format!("123:{}", clock(43_200.0 + t, 3)))),
+        ("time", Box::new(move |t| format!("{}Z", date(t, 3)))),
+        ("time", Box::new(move |t| format!("{}+02:00", date(t, 3)))),
+        ("time", Box::new(move |t| format!("01.05.2024 {}", clock(43_200.0 + t, 2)))),
+        // A day number, as a spreadsheet writes a date in a cell that is no date.
+        ("time", Box::new(|t| format!("{:.9}", 45_413.5 + t / 86_400.0))),
+    ];
+    for (header, time) in forms {
+        let record = read(header, &time);
+        let case = format!("{header} {}", time(1.0));
+        assert_eq!(record.time.len(), ROWS as usize, "{case}: {}", record.quality);
+        assert!(off(&record) < 1e-3, "{case}: {} s off", off(&record));
+    }
+}
+
+#[test]
+fn an_offset_makes_a_local_time_universal_and_a_local_time_is_called_one() {
+    let start =
+        |end: &str| read("time", |t| format!("2024-05-01T{}{end}", clock(43_200.0 + t, 3))).quality.start.unwrap();
+    assert_eq!((start("").unix_s, start("").is_utc), (NOON, false));
+    assert_eq!((start("Z").unix_s, start("Z").is_utc), (NOON, true));
+    assert_eq!((start("+02:00").unix_s, start("+02:00").is_utc), (NOON - 7200.0, true));
+}
+
+#[test]
+fn times_that_are_written_to_the_second_alone_are_spread_evenly_and_it_is_said() {
+    let of = [read("time", |t| clock(43_200.3 + t, 0)), read("time_s", |t| format!("{}", (NOON + 0.3 + t).floor()))];
+    for record in of {
+        assert_eq!(record.time.len(), ROWS as usize, "{}", record.quality);
+        assert!((record.sample_time_s() - STEP_S).abs() < 0.005 * STEP_S, "{}", record.sample_time_s());
+        assert!(off(&record) < STEP_S, "{}", off(&record));
+        assert!(says(&record, "evenly spaced") && says(&record, "--sample-time"), "{}", record.quality);
+    }
+}
+
+#[test]
+fn uneven_groups_of_equal_times_are_not_spread() {
+    // Twenty rows in every second but each third one, which has fifty: this recorder is not even.
+    let seconds: Vec<usize> = (0..12).flat_map(|s| std::iter::repeat_n(s, if s % 3 == 0 { 50 } else { 20 })).collect();
+    let rows: String =
+        seconds.iter().enumerate().map(|(k, s)| format!("{s},{:.4}\n", (0.1 * k as f64).sin())).collect();
+    let text = format!("time_s,alpha_deg\n{rows}");
+    let record = csv::read(text.as_bytes(), "flight.csv", &CsvOptions::default()).unwrap();
+    assert_eq!(record.time.len(), 12);
+    assert!(says(&record, "not evenly spaced") && says(&record, "--sample-time"), "{}", record.quality);
+}
