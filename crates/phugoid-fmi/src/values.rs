@@ -41,7 +41,12 @@ pub(crate) unsafe extern "C" fn fmi3SetFloat64(
         call(instance, "fmi3SetFloat64", |handle| {
             let references = values(references, reference_count, "the value references")?;
             pairs(references, count)?;
-            for (reference, value) in references.iter().zip(values(given, count, "the values")?) {
+            let given = values(given, count, "the values")?;
+            // All or none.
+            for (reference, value) in references.iter().zip(given) {
+                handle.instance.check(*reference, *value)?;
+            }
+            for (reference, value) in references.iter().zip(given) {
                 handle.instance.set(*reference, *value)?;
             }
             Ok(OK)

@@ -12,7 +12,6 @@ use phugoid_flight_dynamics::motion::{Disturbance, motion};
 use phugoid_flight_dynamics::trim::Trim;
 use phugoid_simulation::aircraft::AnyAircraft;
 use phugoid_simulation::quantity::Force;
-use sha2::{Digest as _, Sha256};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
@@ -148,8 +147,8 @@ pub fn export(
     let carried = Carried::of(aircraft, source)?;
     let start = Point::of_trim(trim);
     let table = table(source, &carried)?;
-    let token = token(&carried, &resources::text(table.clone(), &start, "")?);
-    let resources = resources::text(table, &start, &token)?;
+    let token = token(&resources::text(table.clone(), &carried.files, &start, "")?);
+    let resources = resources::text(table, &carried.files, &start, &token)?;
     check(aircraft, &start, &resources, &carried)?;
 
     let licence = licence(aircraft);
@@ -249,16 +248,10 @@ fn table(source: &Source, carried: &Carried) -> Result<toml::Table, ExportError>
     Ok(table)
 }
 
-/// A token that only the same content has.
-fn token(carried: &Carried, description: &str) -> String {
-    let mut hash = Sha256::new();
-    let parts = carried.files.iter().flat_map(|(name, bytes)| [name.as_bytes(), bytes]);
-    for part in parts.chain([description.as_bytes(), env!("CARGO_PKG_VERSION").as_bytes()]) {
-        hash.update((part.len() as u64).to_le_bytes());
-        hash.update(part);
-    }
-    let hex: String = hash.finalize().iter().take(16).map(|byte| format!("{byte:02x}")).collect();
-    format!("{{{hex}}}")
+/// A token that only the same content has: the description holds the hash of each file.
+fn token(description: &str) -> String {
+    let hash = resources::sha256(&[description.as_bytes(), env!("CARGO_PKG_VERSION").as_bytes()]);
+    format!("{{{}}}", hash.get(..32).unwrap_or(&hash))
 }
 
 /// A name that C and file names have a place for.
@@ -328,12 +321,12 @@ fn licence(aircraft: &AnyAircraft) -> Licence {
     let (short, text) = match aircraft {
         AnyAircraft::BuiltIn(_) => ("MIT OR Apache-2.0".to_owned(), String::new()),
         AnyAircraft::Model(..) => {
-            (format!("{own}; the model file is its author's"), "It contains the model file of the aircraft, and the files that are its base: they are their authors'.".to_owned())
+            (format!("{own}; the model file is its author's"), "It contains the model file of the aircraft, and the files of its base, if it has one: the terms of their authors hold for this FMU.".to_owned())
         }
         AnyAircraft::File(AircraftFile::Jsbsim(_)) => (
             format!("{own}; the aircraft's files have terms of their own"),
-            "It contains the files of an aircraft of JSBSim. Their authors say in them on what terms they may be handed on \
-             (aircraft that come with JSBSim: mostly LGPL or GPL); these terms hold for this FMU."
+            "It contains the files of an aircraft of JSBSim, whose terms hold for this FMU: look in the files and in the package \
+             that they come from (that of JSBSim itself: LGPL; some of its aircraft: GPL)."
                 .to_owned(),
         ),
         AnyAircraft::File(AircraftFile::Transport(_)) => (

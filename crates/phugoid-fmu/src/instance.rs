@@ -77,7 +77,7 @@ pub enum InstanceError {
         why: &'static str,
     },
     /// A value that makes no sense.
-    #[error("`{name}` = {value}: {expected}")]
+    #[error("`{name}` is set to {value}: {expected}")]
     Value {
         /// The variable.
         name: &'static str,
@@ -271,24 +271,32 @@ impl Instance {
     /// Sets a variable.
     ///
     /// # Errors
-    /// [`InstanceError`]: no such variable, one that is not set from outside or not now, a value that is not finite or makes no sense.
+    /// As [`check`](Self::check).
     pub fn set(&mut self, reference: u32, value: f64) -> Result<(), InstanceError> {
+        let variable = self.check(reference, value)?;
+        self.point.set(&variable.role, value);
+        self.changed();
+        Ok(())
+    }
+
+    /// Whether a variable can be set to a value now, without doing it.
+    ///
+    /// # Errors
+    /// [`InstanceError`]: no such variable, one that is not set from outside or not now, a value that is not finite or makes no sense.
+    pub fn check(&self, reference: u32, value: f64) -> Result<&'static Variable, InstanceError> {
         let variable = found(reference)?;
         self.check_settable(variable)?;
         let name = variable.name.as_str();
         finite(name, value)?;
         let refuse = |expected| Err(InstanceError::Value { name, value, expected });
         match variable.role {
-            Role::Step if value <= 0.0 => return refuse("a step of the integration is positive, s"),
+            Role::Step if value <= 0.0 => refuse("a step of the integration has to be positive, s"),
             Role::Control(0) if !(0.0..=1.0).contains(&value) => {
-                return refuse("the throttle lever is between 0 and 1; limit what is connected to it");
+                refuse("the throttle lever has to be between 0 and 1; limit what is connected to it")
             }
-            Role::State(0) if value <= 0.0 => return refuse("the speed is positive, m/s"),
-            _ => {}
+            Role::State(0) if value <= 0.0 => refuse("the speed has to be positive, m/s"),
+            _ => Ok(variable),
         }
-        self.point.set(&variable.role, value);
-        self.changed();
-        Ok(())
     }
 
     fn check_settable(&self, variable: &'static Variable) -> Result<(), InstanceError> {
@@ -373,7 +381,7 @@ impl Instance {
         finite("time", point)?;
         let time = self.point.time;
         if !(size > 0.0 && size.is_finite()) {
-            let expected = "a communication step has a positive size, s";
+            let expected = "it has to be positive and finite, s";
             return Err(InstanceError::Value { name: "communicationStepSize", value: size, expected });
         }
         let [of_step, of_time] = TIME_TOLERANCE;
@@ -497,6 +505,6 @@ fn found(reference: u32) -> Result<&'static Variable, InstanceError> {
 }
 
 fn finite(name: &'static str, value: f64) -> Result<f64, InstanceError> {
-    let expected = "a finite number; look at what is connected to it";
+    let expected = "it has to be a finite number; look at what is connected to it";
     if value.is_finite() { Ok(value) } else { Err(InstanceError::Value { name, value, expected }) }
 }

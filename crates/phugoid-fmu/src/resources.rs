@@ -1,6 +1,8 @@
 //! What an FMU carries of its aircraft: the file `aircraft.toml` in its folder `resources`, and the aircraft's own files beside it.
 
-use std::path::{Path, PathBuf};
+use std::collections::BTreeMap;
+use std::io::Read as _;
+use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
 
 use phugoid_flight_dynamics::aircraft::{Controls, State};
@@ -8,6 +10,7 @@ use phugoid_identification::stack::STACK_BYTES;
 use phugoid_simulation::aircraft::{AircraftError, AnyAircraft};
 use phugoid_simulation::scenario::AircraftSettings;
 use serde::{Deserialize, Serialize};
+use sha2::{Digest as _, Sha256};
 
 use crate::point::Point;
 
@@ -17,6 +20,8 @@ pub const FILE: &str = "aircraft.toml";
 pub const FORMAT: u32 = 1;
 /// Largest description that is read, bytes: a hundred times the largest one that is written.
 const MOST_BYTES: u64 = 1 << 20;
+/// Largest file of an aircraft, bytes: the most that readers of aircraft take.
+const MOST_BYTES_OF_FILE: u64 = 64 << 20;
 
 /// Why the resources of an FMU make no aircraft.
 #[derive(Debug, thiserror::Error)]
@@ -61,6 +66,13 @@ pub enum ResourceError {
     /// No aircraft is named, or two.
     #[error("{}: [aircraft] needs either `type` or `file`", file.display())]
     Unnamed {
+        /// The file.
+        file: PathBuf,
+    },
+    /// A file of the aircraft is not what was exported. Readers of aircraft leave out what they do not find, and fly on with
+    /// something else.
+    #[error("{} was changed after the FMU was exported: export it again", file.display())]
+    Changed {
         /// The file.
         file: PathBuf,
     },
@@ -137,6 +149,9 @@ struct Description {
     #[serde(rename = "format")]
     _format: u32,
     instantiation_token: String,
+    /// The files of the aircraft below `resources`, with their SHA-256.
+    #[serde(default)]
+    files: BTreeMap<String, String>,
     /// As in a scenario; paths are relative to the folder `resources`.
     aircraft: AircraftSettings,
     state: StateNumbers,
@@ -170,8 +185,6 @@ impl Resources {
     }
 
     fn read(folder: &Path) -> Result<Self, ResourceError> {
-        use std::io::Read as _;
-
         let file = folder.join(FILE);
         let unreadable = |source| ResourceError::Unreadable { file: file.clone(), source };
         let mut text = String::new();
@@ -194,9 +207,32 @@ impl Resources {
         if description.aircraft.kind.is_some() == description.aircraft.file.is_some() {
             return Err(ResourceError::Unnamed { file });
         }
+        for (name, hash) in &description.files {
+            check_file(folder, name, hash)?;
+        }
         let aircraft = description.aircraft.aircraft(folder)?;
         Ok(Self { aircraft, start, token: description.instantiation_token })
     }
+}
+
+/// Refuses a file that is not there, or is another one than was exported.
+fn check_file(folder: &Path, name: &str, hash: &str) -> Result<(), ResourceError> {
+    let file = folder.join(name);
+    let mut bytes = Vec::new();
+    let is_below = Path::new(name).components().all(|part| matches!(part, Component::Normal(_)));
+    if is_below {
+        let unreadable = |source| ResourceError::Unreadable { file: file.clone(), source };
+        let opened = std::fs::File::open(&file).map_err(unreadable)?;
+        opened.take(MOST_BYTES_OF_FILE).read_to_end(&mut bytes).map_err(unreadable)?;
+    }
+    if is_below && sha256(&[&bytes]) == hash { Ok(()) } else { Err(ResourceError::Changed { file }) }
+}
+
+/// SHA-256 of parts one after the other, as hexadecimal digits.
+pub(crate) fn sha256(parts: &[&[u8]]) -> String {
+    let mut hash = Sha256::new();
+    parts.iter().for_each(|part| hash.update(part));
+    hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 #[derive(Deserialize)]
@@ -214,11 +250,18 @@ pub(crate) fn panic_text(panic: &(dyn std::any::Any + Send)) -> String {
 
 /// The text of a description, which [`Resources::open`] reads.
 #[cfg(feature = "write")]
-pub(crate) fn text(aircraft: toml::Table, start: &Point, token: &str) -> Result<String, toml::ser::Error> {
+pub(crate) fn text(
+    aircraft: toml::Table,
+    files: &[(String, Vec<u8>)],
+    start: &Point,
+    token: &str,
+) -> Result<String, toml::ser::Error> {
     #[derive(Serialize)]
     struct Written<'a> {
         format: u32,
         instantiation_token: &'a str,
+        #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+        files: BTreeMap<&'a str, String>,
         aircraft: toml::Table,
         state: StateNumbers,
         controls: ControlNumbers,
@@ -226,6 +269,7 @@ pub(crate) fn text(aircraft: toml::Table, start: &Point, token: &str) -> Result<
     let written = Written {
         format: FORMAT,
         instantiation_token: token,
+        files: files.iter().map(|(name, bytes)| (name.as_str(), sha256(&[bytes]))).collect(),
         aircraft,
         state: start.state.into(),
         controls: start.controls.into(),

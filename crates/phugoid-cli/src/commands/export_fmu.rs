@@ -1,12 +1,9 @@
 //! `phugoid export-fmu`.
 
-use crate::arguments;
-use crate::failure::Failure;
-
 /// A build without the feature is asked for an FMU.
 #[cfg(not(feature = "fmu"))]
-pub(crate) fn run(arguments: &arguments::ExportFmu) -> Result<(), Failure> {
-    Err(Failure::input(format!(
+pub(crate) fn run(arguments: &crate::arguments::ExportFmu) -> Result<(), crate::failure::Failure> {
+    Err(crate::failure::Failure::input(format!(
         "--out {}: this build does not write FMUs; build it with cargo install --path crates/phugoid-cli --features fmu, and the \
          library that runs in them with cargo build --release -p phugoid-fmi",
         arguments.out.display()
