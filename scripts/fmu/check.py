@@ -12,6 +12,7 @@ import subprocess
 import sys
 import tempfile
 import threading
+import zipfile
 
 import fmpy
 import jsbsim
@@ -367,6 +368,26 @@ def main():
         ("jet", ["--aircraft", jet], f'file = "{jet}"', {"altitude": "4300 m", "speed": "104.67 m/s"}, False),
         ("c182", ["--aircraft", c182], f'file = "{c182}"', {"altitude": "5000 ft", "speed": "120 kt"}, True),
     ]
+    # Increments to it, in a model file that names it as its base from another folder.
+    (files / "base" / "aircraft").mkdir(parents=True, exist_ok=True)
+    for folder in ["aircraft/c182", "engine"]:
+        shutil.copytree(package / folder, files / "base" / folder, dirs_exist_ok=True)
+    (files / "base" / "models").mkdir(exist_ok=True)
+    increments = files / "base" / "models" / "c182.toml"
+    increments.write_text("""axes = ["longitudinal"]
+base = "../aircraft/c182"
+[aircraft]
+air_density = "standard_atmosphere"
+thrust = "trim"
+reference_speed = "120 kt"
+[coefficients]
+Cm = ["alpha"]
+[parameters]
+dCm_alpha = { start = -0.1, bounds = [-1, 1] }
+[reference]
+altitude = "5000 ft"
+""")
+    aircraft.append(("base", ["--aircraft", increments], f'file = "{increments}"', {"altitude": "5000 ft", "speed": "120 kt"}, True))
     s119, gtm = data / "checks" / "daveml_s119", data / "gtm"
     if s119.is_dir():
         further = [s119 / "F16_inertia.dml", s119 / "F16_prop.dml"]
@@ -389,6 +410,10 @@ def main():
         before = fmu.read_bytes()
         run("export-fmu", *options, *at, "--out", fmu)
         expect(fmu.read_bytes() == before, f"{name}: the same aircraft makes two FMUs")
+        with zipfile.ZipFile(fmu) as archive:
+            for entry in archive.namelist():
+                expect(str(files).encode() not in archive.read(entry) or entry.startswith("binaries/"), f"{name}: {entry} tells places")
+                expect(str(package).encode() not in archive.read(entry) or entry.startswith("binaries/"), f"{name}: {entry} tells places")
         problems = validate_fmu(str(fmu))
         expect(not problems, f"{name}: FMPy's validation finds {problems}")
         check_simulations(fmu, flight(name, lines, condition, lateral))

@@ -57,13 +57,11 @@ pub(crate) fn text(model: &Model<'_>) -> String {
         text.push_str(&element(variable, start));
     }
     text.push_str("  </ModelVariables>\n  <ModelStructure>\n");
-    let structure: [(&str, fn(&Variable) -> bool); 3] = [
-        ("Output", is_output),
-        ("ContinuousStateDerivative", is_rate),
-        ("InitialUnknown", |variable| is_output(variable) || is_rate(variable)),
-    ];
-    for (kind, belongs) in structure {
-        for variable in variables().iter().filter(|variable| belongs(variable)) {
+    for (kind, outputs, rates) in
+        [("Output", true, false), ("ContinuousStateDerivative", false, true), ("InitialUnknown", true, true)]
+    {
+        let belongs = |variable: &&Variable| outputs && is_output(variable) || rates && is_rate(variable);
+        for variable in variables().iter().filter(belongs) {
             let _ = writeln!(text, "    <{kind} valueReference=\"{}\"/>", variable.reference);
         }
     }

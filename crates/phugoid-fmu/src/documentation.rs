@@ -59,6 +59,9 @@ pub(crate) fn page(page: &Page<'_>) -> String {
     }
     let _ = write!(text, "</table>\n{METHOD}");
     list(&mut text, "What is left out and what is assumed", notes);
+    if !notes.is_empty() {
+        text.push_str("<p>What these notes say of lags and limits of surfaces is of their actuators, which this FMU does not have.</p>\n");
+    }
     text.push_str("<h2>Inputs, parameters and outputs</h2>\n<table>\n");
     for variable in variables() {
         let kind = match variable.direction() {

@@ -152,10 +152,11 @@ pub fn export(
     check(aircraft, &start, &resources, &carried)?;
 
     let licence = licence(aircraft);
-    let identifier = identifier(aircraft.name());
-    let summary = documentation::summary(aircraft.name(), trim);
+    let name = name(aircraft, source);
+    let identifier = identifier(&name);
+    let summary = documentation::summary(&name, trim);
     let description = description::text(&description::Model {
-        name: aircraft.name(),
+        name: &name,
         identifier: &identifier,
         token: &token,
         description: &summary,
@@ -163,10 +164,11 @@ pub fn export(
         start: &start,
     });
     let files: Vec<String> = carried.files.iter().map(|(name, _)| name.clone()).collect();
+    let notes: Vec<String> = aircraft.notes().iter().map(|note| carried.without_places(note)).collect();
     let page = documentation::page(&documentation::Page {
-        name: aircraft.name(),
+        name: &name,
         summary: &summary,
-        notes: aircraft.notes(),
+        notes: &notes,
         files: &files,
         licence: &licence.text,
         trim,
@@ -252,6 +254,13 @@ fn table(source: &Source, carried: &Carried) -> Result<toml::Table, ExportError>
 fn token(description: &str) -> String {
     let hash = resources::sha256(&[description.as_bytes(), env!("CARGO_PKG_VERSION").as_bytes()]);
     format!("{{{}}}", hash.get(..32).unwrap_or(&hash))
+}
+
+/// The name of the aircraft. A model file without one is known by its path, of which the FMU says the last part alone.
+fn name(aircraft: &AnyAircraft, source: &Source) -> String {
+    let name = aircraft.name();
+    let stem = Path::new(name).file_stem().map(|stem| stem.to_string_lossy().into_owned());
+    stem.filter(|_| name == source.aircraft).unwrap_or_else(|| name.to_owned())
 }
 
 /// A name that C and file names have a place for.

@@ -22,6 +22,8 @@ pub(crate) struct Carried {
     pub(crate) files: Vec<(String, Vec<u8>)>,
     /// Files with terms of use that lie beside the data: name and bytes.
     pub(crate) licences: Vec<(String, Vec<u8>)>,
+    /// How files and folders are called outside, and what they are called below `resources`; longer ones first.
+    names: Vec<(String, String)>,
 }
 
 impl Carried {
@@ -49,7 +51,18 @@ impl Carried {
             let listed = known.files().map_err(|source| ExportError::reading(known.file(), source))?;
             files.extend(placed(known.aircraft(), listed)?);
         }
-        Self::below(&files[0], &[], &files)
+        let mut carried = Self::below(&files[0], &[], &files)?;
+        if let Some(known) = &model.known {
+            // A folder has the name of the file in it.
+            let base = carried.files.get(1).map(|(inside, _)| inside.clone());
+            let (outside, is_folder) = (known.file().display().to_string(), known.file().is_dir());
+            if let Some(inside) = base {
+                let folder = inside.rsplit_once('/').map_or(FOLDER, |(folder, _)| folder).to_owned();
+                carried.names.push((outside, if is_folder { folder } else { inside }));
+            }
+        }
+        carried.names.push((path.display().to_string(), carried.entry.clone()));
+        Ok(carried.sorted())
     }
 
     fn of_file(aircraft: &AircraftFile, source: &Source) -> Result<Self, ExportError> {
@@ -65,8 +78,28 @@ impl Carried {
         let mut carried = Self::below(entry, with, &files)?;
         if let Some(folder) = folder {
             carried.licences = licences(&folder)?;
+            let inside = if is_folder {
+                Some(carried.entry.as_str())
+            } else {
+                carried.entry.rsplit_once('/').map(|(inside, _)| inside)
+            };
+            let inside = inside.unwrap_or(FOLDER).to_owned();
+            carried.names.push((path.display().to_string(), inside));
+        } else {
+            carried.names.push((path.display().to_string(), carried.entry.clone()));
         }
-        Ok(carried)
+        Ok(carried.sorted())
+    }
+
+    /// With the longer names first, so that a folder does not take the beginning of a file in it.
+    fn sorted(mut self) -> Self {
+        self.names.sort_by_key(|(outside, _)| std::cmp::Reverse(outside.len()));
+        self
+    }
+
+    /// A note without the places of files on the machine of the export.
+    pub(crate) fn without_places(&self, note: &str) -> String {
+        self.names.iter().fold(note.to_owned(), |note, (outside, inside)| note.replace(outside, inside))
     }
 
     /// The files with the paths that they have below the deepest folder that holds all of them.
@@ -89,6 +122,7 @@ impl Carried {
         carried.with = with.iter().map(|file| inside(file)).collect::<Result<_, _>>()?;
         for file in files {
             let bytes = std::fs::read(file).map_err(|source| ExportError::reading(file, source))?;
+            carried.names.push((file.display().to_string(), inside(file)?));
             carried.files.push((inside(file)?, bytes));
         }
         Ok(carried)

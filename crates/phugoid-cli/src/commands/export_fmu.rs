@@ -136,6 +136,9 @@ mod with_archives {
                 files => files.join(", "),
             }
         )));
+        text.push_str(&wrapped(
+            "Its inputs are positions of surfaces: it has no actuators, whatever a note says of their lags and limits.",
+        ));
         text.push_str(&wrapped(document.licence));
         text
     }
