@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use crate::resources::FORMAT;
 
-/// What every such library has in it, followed by its [description](Library::mark).
+/// What every such library has in it, followed by format, version and platform.
 const BEGINNING: &str = "phugoid-fmi;format=";
 /// Longest mark that is looked for, bytes.
 const LONGEST: usize = 200;

@@ -35,7 +35,7 @@ fn instance(interface: Interface) -> Instance {
 /// Commands of the flight at a sample.
 fn commands(trim: Controls, k: usize) -> Controls {
     let swing = 0.02 * (0.05 * k as f64).sin();
-    Controls { elevator: trim.elevator + swing, aileron: 0.5 * swing, rudder: -0.3 * swing, throttle: 0.3, ..trim }
+    Controls { elevator: trim.elevator + swing, aileron: 0.5 * swing, rudder: -0.3 * swing, throttle: 0.3 }
 }
 
 #[test]
