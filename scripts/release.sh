@@ -13,8 +13,8 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 out=${RELEASE_FILES:-target/release-files}
-# Every format, fleets and the terminal view: what ships does all that the documentation says.
-features=all-formats,fleet,tui
+# Every format, fleets, FMUs and the terminal view: what ships does all that the documentation says.
+features=all-formats,fleet,fmu,tui
 
 fail() { echo "release: $*" >&2; exit 1; }
 
@@ -33,13 +33,19 @@ version() {
 }
 
 program() {
-    local built="" target version ending name archive
+    local built="" target version ending library name archive
     if [ "${1:-}" = --built ]; then built=${2:?--built needs the program}; fi
     version=$(version)
     target=$(rustc -vV | sed -n 's/^host: //p')
     ending=; case $target in *windows*) ending=.exe ;; esac
+    # What runs in FMUs: `phugoid export-fmu` looks for it beside the program.
+    case $target in
+    *windows*) library=phugoid_fmi.dll ;;
+    *darwin*) library=libphugoid_fmi.dylib ;;
+    *) library=libphugoid_fmi.so ;;
+    esac
     if [ -z "$built" ]; then
-        cargo build --locked --profile dist -p phugoid-cli --features "$features"
+        cargo build --locked --profile dist -p phugoid-cli -p phugoid-fmi --features "phugoid-cli/${features//,/,phugoid-cli/}"
         built=${CARGO_TARGET_DIR:-target}/dist/phugoid$ending
     fi
     [ "$("$built" --version)" = "phugoid $version" ] || fail "$built says '$("$built" --version)', not 'phugoid $version'"
@@ -49,7 +55,13 @@ program() {
     case $target in *windows*) archive=$out/$name.zip ;; *) archive=$out/$name.tar.gz ;; esac
     local folder; folder=$(mktemp -d)
     cp "$built" "$folder/phugoid$ending"
-    scripts/pack.py "$archive" "$name" "$folder/phugoid$ending" README.md CHANGELOG.md SECURITY.md LICENSE-APACHE LICENSE-MIT "$out/$name.cdx.json"
+    local packed=("$folder/phugoid$ending")
+    if [ -f "$(dirname "$built")/$library" ]; then
+        packed+=("$(dirname "$built")/$library")
+    else
+        echo "release: no $library beside $built: the archive is without it" >&2
+    fi
+    scripts/pack.py "$archive" "$name" "${packed[@]}" README.md CHANGELOG.md SECURITY.md LICENSE-APACHE LICENSE-MIT "$out/$name.cdx.json"
     # What was packed is what a user unpacks: it has to run, with nothing of this folder beside it.
     case $archive in
     *.zip) python3 -c 'import sys, zipfile; zipfile.ZipFile(sys.argv[1]).extractall(sys.argv[2])' "$archive" "$folder" ;;

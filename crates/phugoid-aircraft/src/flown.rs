@@ -12,7 +12,7 @@ mod options;
 mod pool;
 mod surface;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use phugoid_flight_dynamics::aircraft::Aircraft as _;
 use phugoid_flight_dynamics::aircraft_by_variant;
@@ -134,6 +134,29 @@ impl AircraftFile {
         match self {
             Self::Jsbsim(_) | Self::Transport(_) | Self::Tp1538(_) => Some(self.geometry().cg),
             Self::Daveml(_) => None,
+        }
+    }
+
+    /// The files that it was read from when it was [opened](Self::open_with) by this path with these options, its own first: what
+    /// has to be carried along so that it can be opened elsewhere. Their places to each other are to be kept.
+    ///
+    /// # Errors
+    /// A folder of tables that cannot be listed.
+    pub fn files(&self, path: &Path, options: &FlownOptions) -> std::io::Result<Vec<PathBuf>> {
+        match self {
+            Self::Jsbsim(aircraft) => Ok(aircraft.aircraft().files().to_vec()),
+            Self::Daveml(_) => {
+                Ok(std::iter::once(path).chain(options.with.iter().map(PathBuf::as_path)).map(Into::into).collect())
+            }
+            Self::Transport(_) => {
+                let listed = std::fs::read_dir(path.join("tables"))?.collect::<Result<Vec<_>, _>>()?;
+                let is_table = |file: &PathBuf| file.extension().is_some_and(|end| end == "json");
+                let mut tables: Vec<PathBuf> = listed.into_iter().map(|file| file.path()).filter(is_table).collect();
+                tables.sort();
+                Ok(std::iter::once(path.join("vehicle.json")).chain(tables).collect())
+            }
+            Self::Tp1538(_) if path.is_dir() => Ok(vec![path.join(tp1538::FILE)]),
+            Self::Tp1538(_) => Ok(vec![path.into()]),
         }
     }
 

@@ -101,6 +101,23 @@ pub fn line(node: Node<'_, '_>) -> u32 {
     node.document().text_pos_at(node.range().start).row
 }
 
+/// A text as it stands in XML; characters that XML has no place for become blanks.
+pub fn escaped(text: &str) -> String {
+    let mut result = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => result.push_str("&amp;"),
+            '<' => result.push_str("&lt;"),
+            '>' => result.push_str("&gt;"),
+            '"' => result.push_str("&quot;"),
+            '\n' | '\t' => result.push(c),
+            c if c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}') => result.push(' '),
+            c => result.push(c),
+        }
+    }
+    result
+}
+
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]

@@ -13,6 +13,7 @@ mod completions;
 mod delivery;
 mod design;
 mod estimate;
+mod export_fmu;
 mod field;
 #[cfg(feature = "fleet")]
 pub(crate) mod fleet;
@@ -48,6 +49,7 @@ pub(crate) use completions::{Completions, Man};
 pub(crate) use delivery::PictureFormat;
 pub(crate) use design::{Design, InputKind, SurfaceName};
 pub(crate) use estimate::{AxesForm, Estimate, Export, ExportForm, Truth};
+pub(crate) use export_fmu::ExportFmu;
 pub(crate) use field::Field;
 #[cfg(feature = "fleet")]
 pub(crate) use fleet::Fleet;
@@ -92,6 +94,7 @@ pub(crate) struct Arguments {
 pub(crate) enum Command {
     Trim(Trim),
     Linearize(Linearize),
+    ExportFmu(ExportFmu),
     Check(Check),
     Simulate(Simulate),
     Inspect(Inspect),

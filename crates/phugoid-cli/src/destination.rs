@@ -154,6 +154,12 @@ impl Plan {
             }
             Some(Command::Trim(a)) => plan.file("--out", a.delivery.out.as_ref()),
             Some(Command::Linearize(a)) => plan.file("--out", a.delivery.out.as_ref()),
+            Some(Command::ExportFmu(a)) => {
+                let aircraft = &a.condition.aircraft;
+                plan.words([&aircraft.aircraft]);
+                plan.inputs.extend(aircraft.with.iter().chain(&a.libraries).cloned());
+                plan.file("--out", Some(&a.out));
+            }
             Some(Command::Check(a)) => {
                 plan.inputs.extend(a.models.iter().cloned());
                 plan.file("--out", a.delivery.out.as_ref());

@@ -29,6 +29,7 @@ fn main() -> ExitCode {
         None => return estimated(commands::demonstrate::run(&arguments.demonstration)),
         Some(Command::Trim(arguments)) => commands::trim::run(arguments),
         Some(Command::Linearize(arguments)) => commands::linearize::run(arguments),
+        Some(Command::ExportFmu(arguments)) => commands::export_fmu::run(arguments),
         Some(Command::Check(arguments)) => match commands::check::run(arguments) {
             Ok(false) => return ExitCode::from(failure::REFUSED),
             other => other.map(|_| ()),

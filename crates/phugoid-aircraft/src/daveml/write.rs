@@ -6,6 +6,7 @@ use std::fmt::Write as _;
 use super::error::DavemlError;
 use super::identified::{CheckPoint, Correlation, Expression, IdentifiedModel, Term};
 use super::model::Model;
+use crate::xml::escaped;
 
 /// Tolerance of the check data that are written, relative to the larger of the value and one.
 const TOLERANCE: f64 = 1e-9;
@@ -340,21 +341,4 @@ fn signal(text: &mut String, name: &str, units: &str, value: f64, tolerance: Opt
         let _ = writeln!(text, "          <tol>{tolerance}</tol>");
     }
     text.push_str("        </signal>\n");
-}
-
-/// A text as it stands in XML; characters that XML has no place for become blanks.
-fn escaped(text: &str) -> String {
-    let mut result = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' => result.push_str("&amp;"),
-            '<' => result.push_str("&lt;"),
-            '>' => result.push_str("&gt;"),
-            '"' => result.push_str("&quot;"),
-            '\n' | '\t' => result.push(c),
-            c if c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}') => result.push(' '),
-            c => result.push(c),
-        }
-    }
-    result
 }

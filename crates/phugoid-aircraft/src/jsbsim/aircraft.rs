@@ -21,6 +21,7 @@ use crate::xml::{self, XmlError};
 #[derive(Debug, Clone)]
 pub struct Aircraft {
     name: String,
+    files: Vec<PathBuf>,
     omitted: Vec<Omission>,
     pub(super) model: Model,
     pub(super) metrics: Metrics,
@@ -147,12 +148,18 @@ impl Aircraft {
         function::check_circles(&model)?;
         let fed = Fed::new(&mut model, engines.len());
         let name = root.attribute("name").unwrap_or_default().trim().to_owned();
-        Ok(Self { name, omitted, model, metrics, masses, aerodynamics, channels, engines, flight, fed })
+        let files = files.into_found();
+        Ok(Self { name, files, omitted, model, metrics, masses, aerodynamics, channels, engines, flight, fed })
     }
 
     /// The name that the file gives.
     pub fn name(&self) -> &str {
         &self.name
+    }
+
+    /// The files that it was read from, its own first, then those of systems and engines; none for a text.
+    pub fn files(&self) -> &[PathBuf] {
+        &self.files
     }
 
     /// What the files ask for and this crate leaves out, in the order in which it was met.

@@ -22,6 +22,8 @@ pub(super) struct Files {
     package: Option<PathBuf>,
     read: usize,
     bytes: usize,
+    /// The files that were read, in order, under the names by which they were found: links are not followed.
+    found: Vec<PathBuf>,
 }
 
 /// What kind of file is referred to: it says in which folders it is looked for.
@@ -41,12 +43,24 @@ impl Files {
         let canonical = file.parent().map(|folder| if folder.as_os_str().is_empty() { Path::new(".") } else { folder });
         let aircraft = canonical.and_then(|folder| folder.canonicalize().ok());
         let package = aircraft.as_deref().and_then(Path::parent).and_then(Path::parent).map(Path::to_path_buf);
-        Self { aircraft, package, read: 0, bytes: 0 }
+        let own = aircraft.as_deref().zip(file.file_name()).map(|(folder, name)| folder.join(name));
+        Self { aircraft, package, read: 0, bytes: 0, found: own.into_iter().collect() }
     }
 
     /// No folder: whatever a text refers to is not found.
     pub(super) fn none() -> Self {
-        Self { aircraft: None, package: None, read: 0, bytes: 0 }
+        Self { aircraft: None, package: None, read: 0, bytes: 0, found: Vec::new() }
+    }
+
+    /// The files of the aircraft, its own first; each once.
+    pub(super) fn into_found(self) -> Vec<PathBuf> {
+        let mut files = Vec::with_capacity(self.found.len());
+        for file in self.found {
+            if !files.contains(&file) {
+                files.push(file);
+            }
+        }
+        files
     }
 
     /// The folders in which a kind of file is looked for, each with the folder that it must not leave.
@@ -84,8 +98,8 @@ impl Files {
         }
         for folder in self.folders(kind) {
             let Ok(root) = folder.canonicalize() else { continue };
-            for candidate in [root.join(path), root.join(format!("{name}.xml"))] {
-                let Ok(found) = candidate.canonicalize() else { continue };
+            for below in [path.to_path_buf(), PathBuf::from(format!("{name}.xml"))] {
+                let Ok(found) = root.join(&below).canonicalize() else { continue };
                 // A link in the folder may lead out of it.
                 if !found.is_file() || !found.starts_with(&root) {
                     continue;
@@ -95,6 +109,7 @@ impl Files {
                 if self.bytes > MAX_TOTAL_BYTES {
                     return refuse("the files of the aircraft are too large together");
                 }
+                self.found.push(folder.join(below));
                 return Ok((found, text));
             }
         }

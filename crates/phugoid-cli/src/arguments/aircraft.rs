@@ -55,7 +55,7 @@ fn property(text: &str) -> Result<(String, f64), String> {
     }
 }
 
-/// Aircraft and steady flight condition of `trim` and `linearize`.
+/// Aircraft and steady flight condition of `trim`, `linearize` and `export-fmu`.
 #[derive(Debug, Args)]
 pub(crate) struct FlightCondition {
     #[command(flatten)]

@@ -13,6 +13,7 @@ pub(crate) mod design;
 mod detection;
 pub(crate) mod estimate;
 mod export;
+pub(crate) mod export_fmu;
 pub(crate) mod field;
 #[cfg(feature = "fleet")]
 pub(crate) mod fleet;

@@ -88,11 +88,7 @@ fn opened(choice: &AircraftChoice) -> Result<AnyAircraft, Failure> {
         if choice.damaged.is_some() {
             return refuse("--damaged", "the Generic Transport Model");
         }
-        let tables = choice.tables.map(|tables| match tables {
-            TablesName::Book => F16Tables::Book,
-            TablesName::Morelli => F16Tables::Morelli,
-        });
-        return AnyAircraft::f16(tables, choice.cg).map_err(Failure::impossible);
+        return AnyAircraft::f16(tables(choice), choice.cg).map_err(Failure::impossible);
     }
     if choice.tables.is_some() {
         return refuse("--tables", "the F-16");
@@ -100,16 +96,26 @@ fn opened(choice: &AircraftChoice) -> Result<AnyAircraft, Failure> {
     if choice.cg.is_some() {
         return refuse("--cg", "the F-16");
     }
-    let thrust = choice.largest_thrust.map_or(Thrust::Engines, |force| Thrust::AlongBodyX { largest_n: force.si() });
-    let damage = choice.damaged.unwrap_or_default();
-    let options = FlownOptions {
-        thrust,
+    AnyAircraft::open(wanted, &options(choice)).map_err(|error| not_opened(wanted, &error))
+}
+
+/// The tables of the F-16 that the command line names.
+pub(crate) fn tables(choice: &AircraftChoice) -> Option<F16Tables> {
+    choice.tables.map(|tables| match tables {
+        TablesName::Book => F16Tables::Book,
+        TablesName::Morelli => F16Tables::Morelli,
+    })
+}
+
+/// What the command line says of an aircraft beside its file.
+pub(crate) fn options(choice: &AircraftChoice) -> FlownOptions {
+    FlownOptions {
+        thrust: choice.largest_thrust.map_or(Thrust::Engines, |force| Thrust::AlongBodyX { largest_n: force.si() }),
         properties: choice.properties.clone(),
         with: choice.with.clone(),
-        damage,
+        damage: choice.damaged.unwrap_or_default(),
         ..FlownOptions::default()
-    };
-    AnyAircraft::open(wanted, &options).map_err(|error| not_opened(wanted, &error))
+    }
 }
 
 fn not_opened(wanted: &str, error: &AircraftError) -> Failure {

@@ -38,6 +38,14 @@ impl KnownAircraft {
         &self.aircraft
     }
 
+    /// The files that it was read from, its own first.
+    ///
+    /// # Errors
+    /// A folder of tables that cannot be listed.
+    pub fn files(&self) -> std::io::Result<Vec<PathBuf>> {
+        self.aircraft.files(&self.file, &self.options)
+    }
+
     /// Moments of inertia Ixx, Iyy, Izz and the product Ixz, kg m^2.
     pub(crate) fn inertia(&self) -> [f64; 4] {
         let tensor = self.aircraft.mass_properties().inertia_tensor();

@@ -1,0 +1,11 @@
+#!/bin/sh
+# Exports aircraft as FMUs and simulates them with FMPy: its validation, both interfaces against `phugoid simulate`, and what is
+# wrong on purpose.
+set -eu
+cd "$(dirname "$0")/.."
+
+scripts/python-tools.sh target/fmu/python scripts/fmu/requirements.txt
+# Of the whole workspace, as the tests have built it: of two crates alone the libraries have other features, and all would be
+# built once more.
+cargo build --quiet --locked --workspace --bins --lib --features phugoid-cli/fmu
+target/fmu/python/bin/python scripts/fmu/check.py "${CARGO_TARGET_DIR:-target}/debug" target/fmu/files
