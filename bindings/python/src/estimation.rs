@@ -153,8 +153,8 @@ impl Estimation {
 
 /// Estimates the parameters of `model` from `record`.
 #[pyfunction]
-#[pyo3(signature = (record, model, method=None, change_detection=None, structure="offer", truth=BTreeMap::new(), further=Vec::new(),
-                    predict=None, progress=None, likelihood="robust", flow_angles="auto", band=None))]
+#[pyo3(signature = (record, model, method=None, change_detection=None, causal_only=false, structure="offer", truth=BTreeMap::new(),
+                    further=Vec::new(), predict=None, progress=None, likelihood="robust", flow_angles="auto", band=None))]
 #[allow(clippy::too_many_arguments)] // one per keyword of the Python function
 pub(crate) fn estimate(
     py: Python<'_>,
@@ -162,6 +162,7 @@ pub(crate) fn estimate(
     model: &Model,
     method: Option<&str>,
     change_detection: Option<bool>,
+    causal_only: bool,
     structure: &str,
     truth: BTreeMap<String, f64>,
     further: Vec<Record>,
@@ -175,6 +176,7 @@ pub(crate) fn estimate(
     let options = EstimateOptions {
         method: method.map(str::parse::<Method>).transpose().map_err(raise)?,
         change_detection,
+        causal_only,
         truth,
         structure: structure_search(structure)?,
         further: further.iter().map(whole).collect(),

@@ -65,7 +65,7 @@ pub fn convergence(scenario: &Scenario, model: &ModelFile, tolerance: f64) -> Re
     else {
         return Err(StudyError::Unsuitable(format!("{}: the elevator does not move", scenario.name)));
     };
-    let options = EstimateOptions { truth: flight.true_parameters.clone(), ..EstimateOptions::default() };
+    let options = EstimateOptions { truth: flight.true_parameters.clone(), ..EstimateOptions::causal() };
     let estimation = estimate(&flight.measured, model, &options, &mut |_| {})?;
     let time = &estimation.history.time_s;
     let parameters = estimation

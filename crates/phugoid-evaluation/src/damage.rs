@@ -90,7 +90,7 @@ pub fn damage(
     let one_run = |run: usize| -> Result<Run, StudyError> {
         let scenario = Scenario { seed: scenario.seed.wrapping_add(run as u64), ..scenario.clone() };
         let flight = fly(&scenario)?;
-        let estimation = estimate(&flight.measured, model, &EstimateOptions::default(), &mut |_| {})?;
+        let estimation = estimate(&flight.measured, model, &EstimateOptions::causal(), &mut |_| {})?;
         let adopted: Vec<f64> =
             estimation.events.iter().filter(|e| e.kind == EventKind::Adopted).map(|e| e.time_s).collect();
         let false_alarms = adopted.iter().filter(|t| **t < damage_at_s).count();

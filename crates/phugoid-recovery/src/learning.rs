@@ -56,7 +56,7 @@ impl Learning {
             fits(scenario, model, aircraft, trim)?;
             None
         };
-        let options = EstimateOptions { method, ..EstimateOptions::default() };
+        let options = EstimateOptions { method, ..EstimateOptions::causal() };
         let kept = (Scale::of(scenario).model_time(KEPT_S) * scenario.sample_rate.si()).clamp(1.0, 1e5) as usize;
         Ok(Self {
             session: Session::new(model, &options)?,

@@ -529,6 +529,7 @@ def estimate(
     *,
     method: Optional[str] = None,
     change_detection: Optional[bool] = None,
+    causal_only: bool = False,
     structure: Optional[str] = None,
     truth: Optional[Mapping[str, float]] = None,
     further: Iterable[Record] = (),
@@ -542,7 +543,9 @@ def estimate(
     """Estimates the parameters of ``model`` from ``record``. Other Python threads can run during the estimation.
 
     ``method`` is one of :func:`methods`; without it, the one that the model file names is used. ``change_detection``
-    switches the detection of sudden changes on or off; without it, the model file decides. ``truth`` gives the true
+    switches the detection of sudden changes on or off; without it, the model file decides. SMPE and the EKF look at the whole
+    record again for changes that were not found in flight; with ``causal_only`` the result is what a :class:`Session` would
+    have had. ``truth`` gives the true
     values of a simulated flight, for the comparison only: the estimator does not see them. A batch method fits
     ``further`` records together with the first one, and tests the result on the record ``predict``. ``progress`` is
     True for a bar, or a function that is called with the fraction done, from 0 to 1.
@@ -566,6 +569,7 @@ def estimate(
             model,
             method,
             change_detection,
+            causal_only,
             _structure(structure, offer),
             dict(truth or {}),
             [further_record._native for further_record in further],

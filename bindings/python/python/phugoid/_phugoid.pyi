@@ -167,6 +167,7 @@ def estimate(
     model: Model,
     method: Optional[str] = ...,
     change_detection: Optional[bool] = ...,
+    causal_only: bool = ...,
     structure: str = ...,
     truth: dict[str, float] = ...,
     further: list[Record] = ...,

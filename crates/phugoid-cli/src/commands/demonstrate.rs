@@ -20,7 +20,7 @@ pub(crate) fn run(arguments: &Demonstration) -> Result<EstimationStatus, Failure
     let flight = simulate(&scenario)?;
     // The truth is only for the comparison that is printed: no estimator sees it.
     let options =
-        EstimateOptions { method: arguments.method, truth: flight.true_parameters, ..EstimateOptions::default() };
+        EstimateOptions { method: arguments.method, truth: flight.true_parameters, ..EstimateOptions::causal() };
     let estimation = {
         let progress = Progress::new("estimating");
         estimate_with_progress(&flight.measured, &model, &options, &mut |done| progress.set(done))

@@ -86,6 +86,7 @@ pub(crate) fn run(arguments: &arguments::Estimate) -> Result<EstimationStatus, F
     let options = EstimateOptions {
         method: arguments.method,
         change_detection,
+        causal_only: arguments.causal_only,
         start_s,
         truth,
         further,

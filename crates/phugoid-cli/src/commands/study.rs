@@ -122,7 +122,7 @@ fn accurate(
     arguments: &arguments::Study,
     at: &[f64],
 ) -> Result<AccuracyStudy, Failure> {
-    let options = EstimateOptions { method: arguments.method, ..EstimateOptions::default() };
+    let options = EstimateOptions { method: arguments.method, ..EstimateOptions::causal() };
     let runs = arguments.runs;
     with_progress(runs, |done| accuracy(scenario, model, &options, runs as usize, at, done))
 }

@@ -32,7 +32,7 @@ impl Contestant {
     /// A method of this project, with its settings as the model file says.
     pub fn of(method: Method) -> Self {
         let run = move |record: &Record, model: &ModelFile| {
-            let options = EstimateOptions { method: Some(method), ..EstimateOptions::default() };
+            let options = EstimateOptions { method: Some(method), ..EstimateOptions::causal() };
             estimate(record, model, &options, &mut |_| {})
         };
         Self::new(method.name(), !method.is_batch(), run)

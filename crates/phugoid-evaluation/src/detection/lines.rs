@@ -160,7 +160,7 @@ fn line(
 
 fn one_run(drawn: &Drawn, model: &ModelFile, damage_at_s: f64) -> Result<Run, StudyError> {
     let measured = &drawn.flight.measured;
-    let ours = estimate(measured, model, &EstimateOptions::default(), &mut |_| {})?;
+    let ours = estimate(measured, model, &EstimateOptions::causal(), &mut |_| {})?;
     let told = EstimateOptions {
         change_detection: Some(false),
         known_changes_s: vec![damage_at_s],

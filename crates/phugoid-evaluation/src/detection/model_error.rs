@@ -166,7 +166,7 @@ fn fly_line(
             told.aircraft.thrust = Thrust::Known(Source::Channel("thrust".to_owned()));
         }
         let with = |change_detection: bool| {
-            let options = EstimateOptions { change_detection: Some(change_detection), ..EstimateOptions::default() };
+            let options = EstimateOptions { change_detection: Some(change_detection), ..EstimateOptions::causal() };
             estimate(&drawn.flight.measured, &told, &options, &mut |_| {})
         };
         Ok(judge(&with(true)?, &with(false)?, model, &drawn.truth(model, 0.0)))

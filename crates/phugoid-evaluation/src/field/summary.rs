@@ -172,7 +172,7 @@ impl FoundChanges {
     fn of(trials: &[&Trial]) -> Self {
         let changed = || trials.iter().filter_map(|t| Some((*t, t.change.as_ref()?)));
         let first: Vec<(&Trial, &RealChange, &Adoption)> = changed()
-            .filter_map(|(t, change)| Some((t, change, t.adoptions.kept().find(|a| a.time_s >= change.time_s)?)))
+            .filter_map(|(t, change)| Some((t, change, t.adoptions.kept().find(|a| !a.is_before(change))?)))
             .collect();
         let rightly = |(trial, change, adoption): &(&Trial, &RealChange, &Adoption)| -> Option<bool> {
             if change.is_trim_shift() {
@@ -187,7 +187,7 @@ impl FoundChanges {
         Self {
             flights: changed().count(),
             found: first.len(),
-            early: changed().filter(|(t, c)| t.adoptions.kept().any(|a| a.time_s < c.time_s)).count(),
+            early: changed().filter(|(t, c)| t.adoptions.kept().any(|a| a.is_before(c))).count(),
             latency_median_s: quantile(first.iter().map(|(_, c, a)| a.time_s - c.time_s).collect(), 0.5),
             named_rightly: count(true),
             named_wrongly: count(false),

@@ -87,6 +87,18 @@ pub struct Adoption {
     pub changed: Vec<String>,
 }
 
+impl Adoption {
+    /// Whether it cannot be the real change, because it came before that. What is found afterwards is dated by the record, with
+    /// an error of its own; what is found in flight is found after it.
+    pub fn is_before(&self, change: &RealChange) -> bool {
+        let error_s = if self.outcome == ChangeOutcome::FoundAfterwards { DATED_S } else { 0.0 };
+        self.time_s < change.time_s - error_s
+    }
+}
+
+/// Error of the time of a change that is found afterwards, s, within which it counts as that change.
+const DATED_S: f64 = 2.0;
+
 /// Standard errors from which a parameter is called changed, as the verdict does.
 const CHANGED: f64 = 3.0;
 

@@ -269,7 +269,7 @@ impl Tunable for SmpeTuning {
     fn score(&self, values: &[f64], part: Part, run: usize) -> Score {
         let Some(run) = self.part(part).runs.get(run) else { return Score::FAILURE };
         let model = ModelFile { estimator: self.estimator(values), ..run.model.clone() };
-        let Ok(estimation) = estimate(&run.record, &model, &EstimateOptions::default(), &mut |_| {}) else {
+        let Ok(estimation) = estimate(&run.record, &model, &EstimateOptions::causal(), &mut |_| {}) else {
             return Score::FAILURE;
         };
         let traces: Vec<Trace> = estimation

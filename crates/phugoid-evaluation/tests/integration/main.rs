@@ -14,6 +14,7 @@ mod cramer_rao_f16;
 mod detection;
 mod input_timing;
 mod lateral;
+mod look_back;
 mod manoeuvres;
 mod offer;
 mod predicted_bound;

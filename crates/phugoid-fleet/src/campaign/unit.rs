@@ -74,7 +74,7 @@ impl Unit {
         let options = EstimateOptions {
             method: Some(self.method),
             truth: flight.true_parameters.clone(),
-            ..EstimateOptions::default()
+            ..EstimateOptions::causal()
         };
         match estimate(&flight.measured, model, &options, &mut |_| {}) {
             Ok(estimation) => {

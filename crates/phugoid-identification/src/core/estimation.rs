@@ -376,6 +376,9 @@ pub enum ChangeOutcome {
     Confirmed,
     /// It was taken back: the estimate from before it has predicted better, or the levels of the residuals explain it.
     RolledBack,
+    /// It was not found in flight, but when the whole record was looked at again: the record is predicted much better with the
+    /// parameters opened at this time. A live session does not look again.
+    FoundAfterwards,
 }
 
 /// A parameter before and after a change.

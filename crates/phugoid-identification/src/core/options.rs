@@ -128,6 +128,9 @@ pub struct EstimateOptions {
     /// parameters are opened again before the first sample that is not earlier than each. Methods without change
     /// detection ignore them.
     pub known_changes_s: Vec<f64>,
+    /// Whether the result is what a live session would have had. Otherwise the whole record is looked at again for changes that
+    /// were not found in flight ([`ChangeOutcome::FoundAfterwards`](super::estimation::ChangeOutcome::FoundAfterwards)).
+    pub causal_only: bool,
     /// True values by parameter name, where the flight was simulated.
     pub truth: BTreeMap<String, f64>,
     /// Further records of the same aircraft; a batch method fits all together. A causal method refuses them
@@ -144,4 +147,16 @@ pub struct EstimateOptions {
     /// The band of frequencies of a method that uses one ([`Method::is_in_band`]), Hz; with `None` it is found
     /// from the record. The other methods refuse it ([`EstimateError::NoBand`](super::error::EstimateError::NoBand)).
     pub band: Option<Band>,
+}
+
+impl EstimateOptions {
+    /// The default, and nothing that a live session would not have ([`causal_only`](Self::causal_only)).
+    ///
+    /// ```
+    /// use phugoid_identification::options::EstimateOptions;
+    /// assert!(EstimateOptions::causal().causal_only && !EstimateOptions::default().causal_only);
+    /// ```
+    pub fn causal() -> Self {
+        Self { causal_only: true, ..Self::default() }
+    }
 }

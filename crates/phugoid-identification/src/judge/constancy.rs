@@ -7,26 +7,24 @@
 //! for Parameter Instability and Structural Change With Unknown Change Point*, Econometrica 61, 1993). The errors are found
 //! by leaving out two seconds at a time, which allows for coloured residuals and for what rests on one manoeuvre alone.
 
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use nalgebra::DVector;
 
 use crate::core::estimation::{EstimationStatus, ReasonCode, VerdictReason};
 use crate::core::number::significant;
 use crate::judge::equations::{BLOCK_S, ByBlock, Equations};
+use crate::judge::normal::Normal;
 
 /// Blocks that are left out together: residuals further apart than that are hardly related.
 const TOGETHER: usize = 2;
 /// Fewest groups of blocks on either side.
 const FEWEST: usize = 5;
 /// A change counts where the two values differ by this part of the larger one: terms that a model lacks make less.
-const MATERIAL: f64 = 0.25;
+pub(crate) const MATERIAL: f64 = 0.25;
 /// The regressor has to move by this part as much (in mean squares) on the side on which it moves less, and in this many
 /// blocks as in a manoeuvre at the least: the noise of the measurements, and gusts that the vane does not see, make the value of one
 /// that hardly moves too small.
-const ALIKE: f64 = 0.2;
-const MOVING: usize = 1;
-/// Part of a regressor's square that the others may not share, at least: below it the terms cannot be told apart in this
-/// equation, such as a rolling and a yawing moment.
-const OWN: f64 = 1e-6;
+pub(crate) const ALIKE: f64 = 0.2;
+pub(crate) const MOVING: usize = 1;
 /// Two-sided quantiles of Student's t for one in 100 000, by degrees of freedom: a flight asks some hundred times, with
 /// several terms at many moments, of which neighbours have the same answer.
 const STUDENT: [(f64, f64); 9] = [
@@ -80,57 +78,6 @@ pub(super) fn reason(equations: &Equations) -> Option<VerdictReason> {
     })
 }
 
-/// Sums of products of one group of blocks: of the regressors, and of them with the left side.
-#[derive(Clone)]
-struct Normal {
-    gram: DMatrix<f64>,
-    right: DVector<f64>,
-    samples: f64,
-}
-
-impl Normal {
-    fn zeros(u: usize) -> Self {
-        Self { gram: DMatrix::zeros(u, u), right: DVector::zeros(u), samples: 0.0 }
-    }
-
-    fn plus(&self, other: &Self, sign: f64) -> Self {
-        Self {
-            gram: &self.gram + &other.gram * sign,
-            right: &self.right + &other.right * sign,
-            samples: self.samples + sign * other.samples,
-        }
-    }
-
-    /// One over the length of each regressor, and the Cholesky factors of the sums with regressors of unit length; `None`
-    /// where they cannot be told apart.
-    fn factors(&self) -> Option<(DVector<f64>, Cholesky<f64, Dyn>)> {
-        let u = self.right.len();
-        let length = |a: usize| self.gram[(a, a)].sqrt();
-        let scale = DVector::from_fn(u, |a, _| if length(a) > 0.0 { length(a).recip() } else { 0.0 });
-        let ridge = |a: usize, b: usize| if a == b { RIDGE } else { 0.0 };
-        let scaled = DMatrix::from_fn(u, u, |a, b| scale[a] * self.gram[(a, b)] * scale[b] + ridge(a, b));
-        Some((scale, scaled.cholesky()?))
-    }
-
-    fn solve(&self) -> Option<DVector<f64>> {
-        let (scale, factors) = self.factors()?;
-        let solved = factors.solve(&self.right.component_mul(&scale)).component_mul(&scale);
-        solved.iter().all(|v| v.is_finite()).then_some(solved)
-    }
-
-    /// The mean square of each regressor that the others do not share.
-    fn motion(&self) -> Option<DVector<f64>> {
-        let (scale, factors) = self.factors()?;
-        let inverse = factors.inverse();
-        let own = |a: usize| 1.0 / (inverse[(a, a)] * scale[a] * scale[a] * self.samples);
-        let told = |a: usize| scale[a] > 0.0 && inverse[(a, a)] * OWN < 1.0;
-        Some(DVector::from_fn(self.right.len(), |a, _| if told(a) { own(a) } else { 0.0 }))
-    }
-}
-
-/// Added to the diagonal of regressors of unit length, so that one that does not move has no value in place of any.
-const RIDGE: f64 = 1e-9;
-
 /// The values on one side, and their variances.
 struct Side {
     value: DVector<f64>,
@@ -171,20 +118,7 @@ fn limit(degrees: usize) -> f64 {
 
 /// The terms of one equation that change, each where it shows most.
 fn changes(equation: &ByBlock, start_s: f64) -> Vec<Change> {
-    let groups: Vec<Normal> = equation
-        .sums
-        .chunks(TOGETHER)
-        .zip(equation.samples.chunks(TOGETHER))
-        .map(|(blocks, samples)| {
-            let u = equation.used.len();
-            blocks.iter().zip(samples).fold(Normal::zeros(u), |sum, (block, samples)| {
-                let gram = block.view((0, 0), (u, u)).into_owned();
-                // The left side is what the values explain and the residual.
-                let right = &gram * DVector::from_row_slice(&equation.values) + block.view((0, u), (u, 1)).column(0);
-                sum.plus(&Normal { gram, right, samples: *samples }, 1.0)
-            })
-        })
-        .collect();
+    let groups = Normal::groups(equation, TOGETHER);
     // On both sides as in a manoeuvre.
     let moves = |j: usize, split: usize| {
         let (before, after) = equation.moving[j].split_at((split * TOGETHER).min(equation.moving[j].len()));
@@ -221,6 +155,8 @@ fn changes(equation: &ByBlock, start_s: f64) -> Vec<Change> {
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::DMatrix;
+
     use super::*;
 
     /// Forty seconds of `y = value x` with a scatter, `x` moving in every block or only in the first half.

@@ -3,6 +3,7 @@
 mod advice;
 mod agreement;
 mod attitude;
+pub(crate) mod both_sides;
 mod constancy;
 mod contradiction;
 mod effective;
@@ -12,6 +13,7 @@ mod fit;
 pub mod form;
 mod input_noise;
 mod integrity;
+mod normal;
 pub(crate) mod offer;
 pub(crate) mod physics;
 pub(crate) mod readiness;

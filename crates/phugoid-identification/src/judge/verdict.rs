@@ -345,6 +345,7 @@ fn before_and_after(change: &AdoptedChange, contradicted: bool) -> String {
             " It is on probation: not everything that was re-opened has been excited since, or the new estimate has not \
              yet predicted better for long enough."
         }
+        ChangeOutcome::FoundAfterwards => " It was found when the whole record was looked at again, not in flight.",
         ChangeOutcome::Confirmed | ChangeOutcome::RolledBack => "",
     };
     format!(

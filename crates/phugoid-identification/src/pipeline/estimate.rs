@@ -19,12 +19,15 @@ use crate::model_file::ModelFile;
 use crate::models::lateral::LateralModel;
 use crate::models::longitudinal::LongitudinalModel;
 use crate::models::six::SixModel;
+use crate::pipeline::look_back::look_back;
 use crate::preparation::checks::{doubts, noise_levels};
 use crate::preparation::prepare::prepare;
 use crate::preparation::prepared::Prepared;
 
 /// Estimates the parameters of `model` from `record`, sample by sample as an on-board computer would: no estimate uses
-/// a later sample. It may be called on any thread: models of the lateral motion, whose estimators need 3 MB of stack,
+/// a later sample, except that SMPE and the EKF look at the whole record again for sudden changes that they did not find in
+/// flight, and are then opened where they happened ([`ChangeOutcome::FoundAfterwards`](crate::estimation::ChangeOutcome));
+/// [`EstimateOptions::causal_only`] leaves that out. It may be called on any thread: models of the lateral motion, whose estimators need 3 MB of stack,
 /// run on one of their own, and `progress` is called from the caller's. (Measured noise levels, where the model file
 /// gives none, are those of the first two seconds, or of the first 40 samples if that is longer.) `progress` is called
 /// with the fraction done, 0 to 1.
@@ -202,7 +205,7 @@ fn once<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     let doubts = doubts(record, model)?;
     let noise = noise_levels(&prepared, model)?;
     let task = Task { prepared: &prepared, file: model, options, noise: &noise, health };
-    let mut run = run(&task, progress)?;
+    let mut run = look_back(&task, run(&task, progress)?, progress)?;
     let watched = run.health.take();
     let estimation = summarise(record, &task, &run, &doubts);
     let is_wanted = options.structure != StructureSearch::Never && run.excited;

@@ -36,6 +36,7 @@ fn one(estimation: &Estimation, change: &AdoptedChange) -> String {
     let outcome = match change.outcome {
         ChangeOutcome::OnProbation => "Not yet confirmed: the estimate from before it still runs as a rival",
         ChangeOutcome::Confirmed => "Confirmed: the estimate after it has predicted better",
+        ChangeOutcome::FoundAfterwards => "Found when the whole record was looked at again, not in flight",
         ChangeOutcome::RolledBack => "Taken back: the estimate from before it has predicted better",
     };
     let mut rows: Vec<_> = change.parameters.iter().collect();

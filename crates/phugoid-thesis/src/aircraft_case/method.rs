@@ -141,7 +141,7 @@ pub fn run_method(case: &AircraftCase, flight: &Flight, settings: &NamedMethod) 
 }
 
 fn run_flagship(flight: &Flight, model: &ModelFile) -> Result<MethodRun, StudyError> {
-    let options = EstimateOptions { truth: flight.true_parameters.clone(), ..EstimateOptions::default() };
+    let options = EstimateOptions { truth: flight.true_parameters.clone(), ..EstimateOptions::causal() };
     let history = estimate(&flight.measured, model, &options, &mut |_| {})?.history;
     let reference = Reference::new(flight, model)?;
     let parameters: Vec<ParameterRun> = history

@@ -241,7 +241,7 @@ impl<'a> Setting<'a> {
     }
 
     fn flagship(&self, flown: &Flown) -> Result<Track, StudyError> {
-        let estimation = estimate(&flown.measured, &self.model, &EstimateOptions::default(), &mut |_| {})?;
+        let estimation = estimate(&flown.measured, &self.model, &EstimateOptions::causal(), &mut |_| {})?;
         let found = estimation.history.parameters.into_iter().find(|parameter| parameter.name == UNKNOWN);
         let Some(found) = found else {
             return Err(StudyError::Unsuitable(format!("model `{}`: no `{UNKNOWN}`", self.model.source)));

@@ -55,7 +55,7 @@ impl Seeds {
         let names: Vec<&str> = case.unknowns().into_iter().map(|(name, _)| name).collect();
         let end = START_S + CYCLE_S;
         let bounds = Information::of(flight, &names, &names, &[end])?;
-        let options = EstimateOptions { truth: flight.true_parameters.clone(), ..EstimateOptions::default() };
+        let options = EstimateOptions { truth: flight.true_parameters.clone(), ..EstimateOptions::causal() };
         let runs = monte_carlo(
             RUNS,
             |run| {

@@ -1,0 +1,63 @@
+//! Changes that are found when the whole record is looked at again.
+
+use std::path::Path;
+
+use phugoid_flight_data::record::Record;
+use phugoid_identification::estimate::{EstimateOptions, Method, StructureSearch, estimate};
+use phugoid_identification::estimation::{ChangeOutcome, Estimation, EstimationStatus};
+use phugoid_identification::model_file::ModelFile;
+
+/// A flight of JSBSim's `pc7` whose horizontal tail loses two fifths at 28 s (`scripts/field/make.py`, develop, `damage-tail`):
+/// Cm_elevator goes from -1.46 to -0.88, Cm_q from -28.2 to -16.8, Cm_alpha from -1.30 to -0.91.
+fn damaged() -> (Record, ModelFile) {
+    let tests = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests");
+    let model = ModelFile::open(tests.join("field/develop/pc7/longitudinal.toml")).unwrap();
+    (Record::open(tests.join("look-back/pc7-damage-tail.csv")).unwrap(), model)
+}
+
+fn run(record: &Record, model: &ModelFile, options: EstimateOptions) -> Estimation {
+    let options = EstimateOptions { structure: StructureSearch::Never, ..options };
+    estimate(record, model, &options, &mut |_| ()).unwrap()
+}
+
+/// Found afterwards, dated, and named, with values that hold the truth, where the filters in flight refuse their numbers.
+#[test]
+fn a_damage_that_was_missed_in_flight_is_found_in_the_whole_record() {
+    let (record, model) = damaged();
+    for method in [Method::Smpe, Method::Ekf] {
+        let method = Some(method);
+        let causal = run(&record, &model, EstimateOptions { method, ..EstimateOptions::causal() });
+        assert_eq!(causal.status, EstimationStatus::Refused);
+        assert!(causal.changes.iter().all(|change| change.outcome == ChangeOutcome::RolledBack));
+
+        let found = run(&record, &model, EstimateOptions { method, ..EstimateOptions::default() });
+        assert_eq!(found.status, EstimationStatus::Sound, "{:?}", found.verdict);
+        let [change] = &found.changes[..] else { panic!("{:?}", found.changes) };
+        assert_eq!(change.outcome, ChangeOutcome::FoundAfterwards);
+        assert!((change.time_s - 28.0).abs() < 0.5, "{}", change.time_s);
+        for (name, before, after) in
+            [("Cm_elevator", -1.458, -0.881), ("Cm_q", -28.203, -16.783), ("Cm_alpha", -1.304, -0.906)]
+        {
+            let moved = change.parameters.iter().find(|p| p.name == name).unwrap();
+            assert!((moved.before - before).abs() < 2.0 * moved.before_std, "{moved:?}");
+            assert!((moved.after - after).abs() < 2.0 * moved.after_std, "{moved:?}");
+            assert!(moved.sigmas().abs() > 3.0, "{moved:?}");
+        }
+        assert!(found.verdict.iter().any(|s| s.contains("when the whole record was looked at again")));
+    }
+}
+
+/// Without the damage, without the search for changes, and before there is enough flight on both sides, nothing is found.
+#[test]
+fn nothing_is_found_where_nothing_changes_and_where_nobody_looks() {
+    let (record, model) = damaged();
+    let off = |options| EstimateOptions { change_detection: Some(false), ..options };
+    let [never, causal] = [EstimateOptions::default(), EstimateOptions::causal()].map(|o| run(&record, &model, off(o)));
+    assert_eq!((&never.parameters, &never.changes), (&causal.parameters, &Vec::new()));
+    // Up to the damage, and from it on.
+    for (from_s, to_s) in [(0.0, 27.5), (29.0, 55.0)] {
+        let part = record.between(from_s, to_s).unwrap();
+        let found = run(&part, &model, EstimateOptions::default());
+        assert_eq!(found.changes, [], "{from_s} to {to_s}");
+    }
+}

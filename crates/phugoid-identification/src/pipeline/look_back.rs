@@ -1,0 +1,234 @@
+//! A second look at a whole record for a sudden change of the aircraft.
+//!
+//! A method that runs sample by sample has to decide within seconds whether what it sees is a change, and where its
+//! residuals are coloured it asks for so much that it misses half of the damages that foreign flights have. A record can be
+//! asked more: how much better would everything after a moment have been predicted, had the parameters been opened there?
+//! The method is run again with the parameters opened at moments all over the flight, and the sum of the logarithms of the
+//! densities that it gave to each sample before it saw it is compared (prequential evidence: A. P. Dawid, *Statistical
+//! Theory: The Prequential Approach*, J. R. Statist. Soc. A 147, 1984). A model that is wrong everywhere gains by being
+//! opened anywhere, so evidence alone is not enough: a derivative has to be another one before and after, by more than its
+//! errors and more than missing terms make of it, and the flight has to move it alike on both sides
+//! ([`BothSides`]).
+
+use crate::core::error::EstimateError;
+use crate::core::estimation::{ChangeOutcome, without_part};
+use crate::core::options::EstimateOptions;
+use crate::core::output::Output;
+use crate::core::term::Coefficient;
+use crate::judge::both_sides::BothSides;
+use crate::methods::{ColumnRun, EveryRoom, Run, Task, run};
+use crate::model_file::Role;
+
+/// Flight from the first motion to the first moment that is asked about, s: until then the estimates are still being found, and
+/// a filter whose model is wrong gains by being opened once more.
+const BEFORE_S: f64 = 15.0;
+/// Flight from the last moment to the end, s: there has to be a manoeuvre in it.
+const AFTER_S: f64 = 8.0;
+/// Moments that are asked about at first: not closer than this, s, and not more than so many.
+const CLOSEST_S: f64 = 3.0;
+const MOST: usize = 9;
+/// Part of the evidence for a change that the best of them has to have, so that its neighbourhood is looked at.
+const WORTH: f64 = 0.25;
+/// The best moment is then looked for to within this, s.
+const RESOLUTION_S: f64 = 0.2;
+/// Most changes that are looked for in one record.
+const CHANGES: usize = 3;
+/// Evidence from which a change is believed, nats.
+const EVIDENCE: f64 = 100.0;
+/// The same where the aircraft flies at another speed afterwards, and that speed: the difference of the logarithms of the means.
+/// Terms that the model lacks make other derivatives of another flight condition.
+const EVIDENCE_ELSEWHERE: f64 = 1000.0;
+const ELSEWHERE: f64 = 0.05;
+/// The same where, with the change, a further one still gains this part as much: then the parameters wander, as those of a
+/// model do that is wrong. Behind real changes of foreign flights it gains a quarter as much at most, with few exceptions that
+/// have far more evidence.
+const EVIDENCE_WANDERING: f64 = 3000.0;
+const WANDERS: f64 = 0.35;
+/// Standard errors by which a derivative has to change.
+const SIGMAS: f64 = 5.0;
+
+/// The run of a causal method over a whole record, or the better one in which the parameters were opened where the record
+/// says that they changed.
+///
+/// # Errors
+/// Those of the method.
+pub(super) fn look_back<M: EveryRoom<N, R>, const N: usize, const R: usize>(
+    task: &Task<M, N, R>,
+    first: Run<R>,
+    progress: &mut dyn FnMut(f64),
+) -> Result<Run<R>, EstimateError> {
+    let Some([from_s, to_s]) = window(task, &first) else { return Ok(first) };
+    let mut again = Again { task, tried: Vec::new() };
+    let mut known = task.options.known_changes_s.clone();
+    let mut standing = evidence(&again.with(&known)?);
+    let mut found: Option<Run<R>> = None;
+    let mut best = again.best(&known, [from_s, to_s], standing, progress)?;
+    for _ in 0..CHANGES {
+        let Some((time_s, gain)) = best.filter(|(_, gain)| *gain >= EVIDENCE) else { break };
+        let opened = added(&known, time_s);
+        let with = again.with(&opened)?;
+        if !is_believed(task, &with, time_s, &known) {
+            break;
+        }
+        let evidence_with = evidence(&with);
+        best = again.best(&opened, [from_s, to_s], evidence_with, progress)?;
+        // What wanders goes on to gain by being opened elsewhere; one sudden change explains the whole record.
+        let further = best.map_or(0.0, |(_, gain)| gain);
+        let needed = if further > WANDERS * gain {
+            EVIDENCE_WANDERING
+        } else if is_elsewhere(task, time_s) {
+            EVIDENCE_ELSEWHERE
+        } else {
+            EVIDENCE
+        };
+        if gain < needed {
+            break;
+        }
+        (known, standing) = (opened, evidence_with);
+        found = Some(with);
+    }
+    progress(1.0);
+    match found {
+        Some(mut found) if standing > evidence(&first) => {
+            let given = &task.options.known_changes_s;
+            let of_here = found.changes.iter_mut().filter(|change| !given.contains(&change.time_s));
+            of_here.for_each(|change| change.outcome = ChangeOutcome::FoundAfterwards);
+            Ok(found)
+        }
+        _ => Ok(first),
+    }
+}
+
+/// The times between which a change is looked for, s; none where nothing is to be looked for.
+fn window<M: EveryRoom<N, R>, const N: usize, const R: usize>(
+    task: &Task<M, N, R>,
+    first: &Run<R>,
+) -> Option<[f64; 2]> {
+    let options = task.options;
+    let looks = options.change_detection.unwrap_or(task.file.change_detection) && !options.causal_only;
+    if !looks || !task.method().learns_noise() || task.health.is_some() || !first.excited {
+        return None;
+    }
+    let moved = first.log_density.iter().position(|row| row.iter().any(|v| v.is_finite()))?;
+    let (moved_s, end_s) = (*task.prepared.time.get(moved)?, *task.prepared.time.last()?);
+    let window = [moved_s + BEFORE_S, end_s - AFTER_S];
+    (window[0] < window[1]).then_some(window)
+}
+
+/// The times with one more, in order.
+fn added(known: &[f64], time_s: f64) -> Vec<f64> {
+    let mut times = known.to_vec();
+    times.push(time_s);
+    times.sort_by(f64::total_cmp);
+    times
+}
+
+/// Logarithm of the density that a run gave to the record, sample by sample before it saw it, nats.
+fn evidence<const R: usize>(run: &Run<R>) -> f64 {
+    run.log_density.iter().flatten().filter(|nats| nats.is_finite()).sum()
+}
+
+/// Runs of the same method with the parameters opened at given times.
+struct Again<'a, 'b, M: EveryRoom<N, R>, const N: usize, const R: usize> {
+    task: &'a Task<'b, M, N, R>,
+    /// Moments of the present search, with their evidence.
+    tried: Vec<(f64, f64)>,
+}
+
+impl<M: EveryRoom<N, R>, const N: usize, const R: usize> Again<'_, '_, M, N, R> {
+    fn with(&self, known_changes_s: &[f64]) -> Result<Run<R>, EstimateError> {
+        let options = EstimateOptions {
+            change_detection: Some(false),
+            known_changes_s: known_changes_s.to_vec(),
+            ..self.task.options.clone()
+        };
+        let Task { prepared, file, noise, .. } = *self.task;
+        run(&Task { prepared, file, options: &options, noise, health: None }, &mut |_| {})
+    }
+
+    fn try_at(&mut self, known: &[f64], time_s: f64) -> Result<(), EstimateError> {
+        let found = evidence(&self.with(&added(known, time_s))?);
+        self.tried.push((time_s, found));
+        Ok(())
+    }
+
+    /// The best moment, and by how much it is better than none, nats.
+    fn best(
+        &mut self,
+        known: &[f64],
+        [from_s, to_s]: [f64; 2],
+        standing: f64,
+        progress: &mut dyn FnMut(f64),
+    ) -> Result<Option<(f64, f64)>, EstimateError> {
+        self.tried.clear();
+        let moments = (((to_s - from_s) / CLOSEST_S).ceil() as usize).clamp(1, MOST);
+        let step_s = (to_s - from_s) / moments as f64;
+        for k in 0..moments {
+            self.try_at(known, from_s + (k as f64 + 0.5) * step_s)?;
+            progress(k as f64 / moments as f64);
+        }
+        let best = |tried: &[(f64, f64)]| tried.iter().copied().max_by(|a, b| a.1.total_cmp(&b.1));
+        let mut half_s = step_s / 2.0;
+        while let Some((time_s, found)) = best(&self.tried)
+            && half_s > RESOLUTION_S
+            && found - standing > WORTH * EVIDENCE
+        {
+            for beside in [time_s - half_s, time_s + half_s] {
+                if (from_s..to_s).contains(&beside) {
+                    self.try_at(known, beside)?;
+                }
+            }
+            half_s /= 2.0;
+        }
+        Ok(best(&self.tried).map(|(time_s, found)| (time_s, found - standing)))
+    }
+}
+
+/// Whether the flight goes on at another speed.
+fn is_elsewhere<M: EveryRoom<N, R>, const N: usize, const R: usize>(task: &Task<M, N, R>, time_s: f64) -> bool {
+    let prepared = task.prepared;
+    let speed = Output::TrueAirspeed;
+    let row = M::AXES.outputs().iter().position(|output| *output == speed).filter(|_| task.file.outputs[speed.index()]);
+    let known = prepared.known.iter().find(|signal| signal.name == speed.name());
+    let at = |k: usize| match (row, known) {
+        (Some(row), _) => prepared.outputs[k][row],
+        (None, Some(signal)) => signal.values[k],
+        (None, None) => f64::NAN,
+    };
+    let split = prepared.time.partition_point(|t| *t < time_s);
+    let mean = |samples: std::ops::Range<usize>| {
+        let (sum, count) = samples.map(at).filter(|v| v.is_finite()).fold((0.0, 0.0), |(s, n), v| (s + v, n + 1.0));
+        sum / count
+    };
+    // Without an airspeed nothing says that it is the same.
+    !((mean(split..prepared.time.len()) / mean(0..split)).ln().abs() <= ELSEWHERE)
+}
+
+/// Whether a parameter is another one before the time and after it, until the next known change. The drag alone does not say so: what the engine does looks
+/// like it.
+fn is_believed<M: EveryRoom<N, R>, const N: usize, const R: usize>(
+    task: &Task<M, N, R>,
+    run: &Run<R>,
+    time_s: f64,
+    known: &[f64],
+) -> bool {
+    let Some(sides) = BothSides::of(task, run, time_s) else { return false };
+    let time = &task.prepared.time;
+    let before = |time_s: f64| time.partition_point(|t| *t < time_s).checked_sub(1);
+    let next_s = known.iter().copied().find(|t| *t > time_s);
+    let (Some(from), Some(to)) = (before(time_s), before(next_s.unwrap_or(f64::INFINITY))) else { return false };
+    let of_drag = |role: &Role| matches!(role, Role::Term(Coefficient::Drag, _));
+    task.file.estimated().zip(&run.columns).enumerate().any(|(j, (parameter, column))| {
+        !of_drag(&parameter.role)
+            && sides.tells(j, column.values[from], column.values[to])
+            && sigmas(column, from, to) > SIGMAS
+    })
+}
+
+/// Standard errors by which a column differs between two samples, without the part of the errors that the model file declares:
+/// that is the same at both.
+fn sigmas(column: &ColumnRun, from: usize, to: usize) -> f64 {
+    let declared = if column.value == 0.0 { 0.0 } else { column.systematic_std / column.value.abs() };
+    let std = |sample: usize| without_part(column.std_errors[sample], declared * column.values[sample].abs());
+    (column.values[to] - column.values[from]).abs() / std(from).hypot(std(to))
+}
