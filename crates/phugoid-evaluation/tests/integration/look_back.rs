@@ -4,7 +4,7 @@ use std::path::Path;
 
 use phugoid_flight_data::record::Record;
 use phugoid_identification::estimate::{EstimateOptions, Method, StructureSearch, estimate};
-use phugoid_identification::estimation::{ChangeOutcome, Estimation, EstimationStatus};
+use phugoid_identification::estimation::{ChangeOutcome, Estimation, EstimationStatus, EventKind};
 use phugoid_identification::model_file::ModelFile;
 
 /// A flight of JSBSim's `pc7` whose horizontal tail loses two fifths at 28 s (`scripts/field/make.py`, develop, `damage-tail`):
@@ -44,6 +44,9 @@ fn a_damage_that_was_missed_in_flight_is_found_in_the_whole_record() {
             assert!(moved.sigmas().abs() > 3.0, "{moved:?}");
         }
         assert!(found.verdict.iter().any(|s| s.contains("when the whole record was looked at again")));
+        assert!(
+            found.events.iter().any(|e| e.kind == EventKind::Adopted && e.message.contains("not noticed in flight"))
+        );
     }
 }
 

@@ -15,6 +15,8 @@ const SHARE: f64 = 0.05;
 /// Of each column of a run, what the motion on both sides of a moment allows to say.
 pub(crate) struct BothSides {
     columns: Vec<Option<Side>>,
+    /// What the database of the model has in the place of each column: the derivative is that and the increment.
+    database: Vec<f64>,
 }
 
 /// Of one column, in the equation in which its change shows most.
@@ -39,13 +41,16 @@ impl BothSides {
         let is_term = |role: &Role| !matches!(role, Role::Bias(_));
         let places: Vec<usize> =
             task.file.estimated().enumerate().filter(|(_, p)| is_term(&p.role)).map(|(column, _)| column).collect();
+        let database: Vec<f64> = task.prepared.database_parts.iter().map(|part| part.value).collect();
+        let of_database = |j: usize| places.get(j).and_then(|place| database.get(*place)).copied().unwrap_or(0.0);
         let mut columns: Vec<Option<Side>> = vec![None; run.columns.len()];
         for equation in equations.by_block() {
             if split < 1.0 || split >= equation.sums.len() as f64 {
                 continue;
             }
             let constant = |j: usize| equations.columns[equation.used[j]].term.is_constant();
-            for (j, side) in sides(&equation, split as usize, &constant).into_iter().enumerate() {
+            let value = |j: usize| equation.values[j] + of_database(equation.used[j]);
+            for (j, side) in sides(&equation, split as usize, &constant, &value).into_iter().enumerate() {
                 let Some(column) = places.get(equation.used[j]).and_then(|place| columns.get_mut(*place)) else {
                     continue;
                 };
@@ -55,7 +60,7 @@ impl BothSides {
                 }
             }
         }
-        Some(Self { columns })
+        Some(Self { columns, database })
     }
 
     /// Whether a change of a column from one value to another is one that the flight can tell: a derivative by more than what
@@ -63,21 +68,28 @@ impl BothSides {
     pub(crate) fn tells(&self, column: usize, before: f64, after: f64) -> bool {
         let Some(side) = self.columns.get(column).copied().flatten() else { return false };
         let change = (after - before).abs();
+        let database = self.database.get(column).copied().unwrap_or(0.0);
+        let larger = (before + database).abs().max((after + database).abs());
         let counts = change * side.reach;
-        let is_material =
-            if side.is_constant { counts >= MATERIAL } else { change >= MATERIAL * before.abs().max(after.abs()) };
+        let is_material = if side.is_constant { counts >= MATERIAL } else { change >= MATERIAL * larger };
         side.is_alike && counts >= SHARE && is_material
     }
 }
 
-/// What each regressor of an equation tells on both sides of a block; `None` where it cannot be told from the others.
-fn sides(equation: &ByBlock, split: usize, is_constant: &dyn Fn(usize) -> bool) -> Vec<Option<Side>> {
+/// What each regressor of an equation tells on both sides of a block; `None` where it cannot be told from the others. `value` is the
+/// whole derivative.
+fn sides(
+    equation: &ByBlock,
+    split: usize,
+    is_constant: &dyn Fn(usize) -> bool,
+    value: &dyn Fn(usize) -> f64,
+) -> Vec<Option<Side>> {
     let u = equation.used.len();
     let groups = Normal::groups(equation, 1);
     let sum = |groups: &[Normal]| groups.iter().fold(Normal::zeros(u), |sum, group| sum.plus(group, 1.0)).motion();
     let Some((before, after)) = sum(&groups[..split]).zip(sum(&groups[split..])) else { return vec![None; u] };
     let less = |j: usize| before[j].min(after[j]);
-    let moved = |j: usize| equation.values[j].abs() * less(j).sqrt();
+    let moved = |j: usize| value(j).abs() * less(j).sqrt();
     let largest = (0..u).filter(|j| !is_constant(*j)).map(moved).fold(0.0, f64::max);
     let side = |j: usize| {
         let more = before[j].max(after[j]);

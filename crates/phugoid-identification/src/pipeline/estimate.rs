@@ -19,7 +19,7 @@ use crate::model_file::ModelFile;
 use crate::models::lateral::LateralModel;
 use crate::models::longitudinal::LongitudinalModel;
 use crate::models::six::SixModel;
-use crate::pipeline::look_back::look_back;
+use crate::pipeline::look_back::{look_back, looks_back};
 use crate::preparation::checks::{doubts, noise_levels};
 use crate::preparation::prepare::prepare;
 use crate::preparation::prepared::Prepared;
@@ -205,7 +205,11 @@ fn once<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     let doubts = doubts(record, model)?;
     let noise = noise_levels(&prepared, model)?;
     let task = Task { prepared: &prepared, file: model, options, noise: &noise, health };
-    let mut run = look_back(&task, run(&task, progress)?, progress)?;
+    // The second look takes the second half.
+    let first = if looks_back(&task) { 0.5 } else { 1.0 };
+    let causal = run(&task, &mut |done| progress(first * done))?;
+    let mut run = look_back(&task, causal, &mut |done| progress(first + (1.0 - first) * done))?;
+    progress(1.0);
     let watched = run.health.take();
     let estimation = summarise(record, &task, &run, &doubts);
     let is_wanted = options.structure != StructureSearch::Never && run.excited;

@@ -11,7 +11,7 @@
 //! ([`BothSides`]).
 
 use crate::core::error::EstimateError;
-use crate::core::estimation::{ChangeOutcome, without_part};
+use crate::core::estimation::{ChangeOutcome, Event, EventKind, without_part};
 use crate::core::options::EstimateOptions;
 use crate::core::output::Output;
 use crate::core::term::Coefficient;
@@ -47,6 +47,17 @@ const WANDERS: f64 = 0.35;
 /// Standard errors by which a derivative has to change.
 const SIGMAS: f64 = 5.0;
 
+/// What is said of the moment.
+const AFTERWARDS: &str =
+    "the parameters changed: not noticed in flight, found when the whole record was looked at again";
+
+/// Whether a record is looked at again by this method with these options.
+pub(super) fn looks_back<M: EveryRoom<N, R>, const N: usize, const R: usize>(task: &Task<M, N, R>) -> bool {
+    let options = task.options;
+    let looks = options.change_detection.unwrap_or(task.file.change_detection) && !options.causal_only;
+    looks && task.method().learns_noise() && task.health.is_none()
+}
+
 /// The run of a causal method over a whole record, or the better one in which the parameters were opened where the record
 /// says that they changed.
 ///
@@ -58,12 +69,13 @@ pub(super) fn look_back<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     progress: &mut dyn FnMut(f64),
 ) -> Result<Run<R>, EstimateError> {
     let Some([from_s, to_s]) = window(task, &first) else { return Ok(first) };
+    let searches = CHANGES as f64 + 1.0;
     let mut again = Again { task, tried: Vec::new() };
     let mut known = task.options.known_changes_s.clone();
     let mut standing = evidence(&again.with(&known)?);
     let mut found: Option<Run<R>> = None;
-    let mut best = again.best(&known, [from_s, to_s], standing, progress)?;
-    for _ in 0..CHANGES {
+    let mut best = again.best(&known, [from_s, to_s], standing, &mut |done| progress(done / searches))?;
+    for search in 1..=CHANGES {
         let Some((time_s, gain)) = best.filter(|(_, gain)| *gain >= EVIDENCE) else { break };
         let opened = added(&known, time_s);
         let with = again.with(&opened)?;
@@ -71,7 +83,8 @@ pub(super) fn look_back<M: EveryRoom<N, R>, const N: usize, const R: usize>(
             break;
         }
         let evidence_with = evidence(&with);
-        best = again.best(&opened, [from_s, to_s], evidence_with, progress)?;
+        let mut done = |done: f64| progress((search as f64 + done) / searches);
+        best = again.best(&opened, [from_s, to_s], evidence_with, &mut done)?;
         // What wanders goes on to gain by being opened elsewhere; one sudden change explains the whole record.
         let further = best.map_or(0.0, |(_, gain)| gain);
         let needed = if further > WANDERS * gain {
@@ -91,8 +104,14 @@ pub(super) fn look_back<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     match found {
         Some(mut found) if standing > evidence(&first) => {
             let given = &task.options.known_changes_s;
-            let of_here = found.changes.iter_mut().filter(|change| !given.contains(&change.time_s));
+            let time = &task.prepared.time;
+            // A change is dated by the first sample that it holds for.
+            let sample = |t: f64| time.get(time.partition_point(|s| *s + 1e-9 < t)).copied();
+            let looked: Vec<f64> = known.iter().filter(|t| !given.contains(t)).filter_map(|t| sample(*t)).collect();
+            let of_here = found.changes.iter_mut().filter(|change| looked.contains(&change.time_s));
             of_here.for_each(|change| change.outcome = ChangeOutcome::FoundAfterwards);
+            let of_here = |event: &&mut Event| event.kind == EventKind::Adopted && looked.contains(&event.time_s);
+            found.events.iter_mut().filter(of_here).for_each(|event| AFTERWARDS.clone_into(&mut event.message));
             Ok(found)
         }
         _ => Ok(first),
@@ -104,9 +123,7 @@ fn window<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     task: &Task<M, N, R>,
     first: &Run<R>,
 ) -> Option<[f64; 2]> {
-    let options = task.options;
-    let looks = options.change_detection.unwrap_or(task.file.change_detection) && !options.causal_only;
-    if !looks || !task.method().learns_noise() || task.health.is_some() || !first.excited {
+    if !looks_back(task) || !first.excited {
         return None;
     }
     let moved = first.log_density.iter().position(|row| row.iter().any(|v| v.is_finite()))?;
@@ -200,8 +217,9 @@ fn is_elsewhere<M: EveryRoom<N, R>, const N: usize, const R: usize>(task: &Task<
         let (sum, count) = samples.map(at).filter(|v| v.is_finite()).fold((0.0, 0.0), |(s, n), v| (s + v, n + 1.0));
         sum / count
     };
+    let differs = (mean(split..prepared.time.len()) / mean(0..split)).ln().abs();
     // Without an airspeed nothing says that it is the same.
-    !((mean(split..prepared.time.len()) / mean(0..split)).ln().abs() <= ELSEWHERE)
+    differs.is_nan() || differs > ELSEWHERE
 }
 
 /// Whether a parameter is another one before the time and after it, until the next known change. The drag alone does not say so: what the engine does looks
