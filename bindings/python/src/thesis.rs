@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use phugoid_simulation::scenario::nearest;
-use phugoid_thesis::case_file::Case;
-use phugoid_thesis::{Reproduction, changed_from, entries};
+use phugoid_thesis::case_file::OwnCase;
+use phugoid_thesis::{Reproduction, entries};
 use pyo3::prelude::*;
 
 use crate::error::{PhugoidError, raise};
@@ -26,7 +26,7 @@ pub(crate) fn reproduce(
         }
     };
     let result = py.detach(|| match text {
-        Some(text) => of_file(&Case::parse(&text, case).map_err(raise)?, case, &text),
+        Some(text) => OwnCase::parse(&text, case).map_err(raise)?.run().map_err(raise),
         None => of_name(case, &step),
     })?;
     serde_json::to_string(&result).map_err(raise)
@@ -39,24 +39,13 @@ fn of_name(name: &str, progress: &(dyn Fn(f64) + Sync)) -> PyResult<Reproduction
     }
     let file = Path::new(name);
     if file.extension().is_some_and(|extension| extension == "toml") || file.is_file() {
-        let case = Case::read(file).map_err(raise)?;
-        let text = std::fs::read_to_string(file).map_err(|error| raise(format!("{name}: {error}")))?;
-        let id = file.file_stem().map_or_else(|| name.to_owned(), |stem| stem.to_string_lossy().into_owned());
-        return of_file(&case, &id, &text);
+        return OwnCase::read(file).map_err(raise)?.run().map_err(raise);
     }
     let hint = match nearest(name, entries.iter().map(|entry| entry.id)) {
         Some(near) => format!("Did you mean `{near}`?"),
         None => "phugoid.cases() lists all; a file of your own ends in .toml".to_owned(),
     };
     Err(PhugoidError::new_err(format!("there is no case `{name}`\n{hint}")))
-}
-
-fn of_file(case: &Case, id: &str, text: &str) -> PyResult<Reproduction> {
-    let mut result = case.run(id).map_err(raise)?;
-    if let Some(of) = changed_from(text) {
-        result.title = format!("{} (changed: not the case {of} of the thesis)", result.title);
-    }
-    Ok(result)
 }
 
 /// The text of a case file from a JSON document with the same tables and keys.

@@ -330,7 +330,12 @@ fn licence(aircraft: &AnyAircraft) -> Licence {
     let (short, text) = match aircraft {
         AnyAircraft::BuiltIn(_) => ("MIT OR Apache-2.0".to_owned(), String::new()),
         AnyAircraft::Model(..) => {
-            (format!("{own}; the model file is its author's"), "It contains the model file of the aircraft, and the files of its base, if it has one: the terms of their authors hold for this FMU.".to_owned())
+            (
+                format!("{own}; the model file is its author's"),
+                "It contains the model file of the aircraft, and the files of its base, if it has one: the terms of their authors \
+                 hold for this FMU."
+                    .to_owned(),
+            )
         }
         AnyAircraft::File(AircraftFile::Jsbsim(_)) => (
             format!("{own}; the aircraft's files have terms of their own"),

@@ -157,33 +157,43 @@ const AIR: [Plain; 6] = [
     ("gust.r", Unit::RadianPerSecond, "Rotation of the air about body z; the aerodynamics see r less this"),
 ];
 
-const STATE_NAMES: [Plain; STATES] = [
+/// The first states, where they are something else than the outputs of the same name: gusts are no part of them.
+const STILL_AIR: [Plain; 3] = [
     ("speed", Unit::MetrePerSecond, "Speed of the centre of gravity relative to the undisturbed air"),
     ("alpha", Unit::Radian, "Angle of attack relative to the undisturbed air, positive nose up"),
     ("beta", Unit::Radian, "Sideslip angle relative to the undisturbed air, positive with the wind from the right"),
+];
+
+/// States that are outputs too.
+const ATTITUDE: [Plain; 6] = [
     ("phi", Unit::Radian, "Bank angle, positive right wing down"),
     ("theta", Unit::Radian, "Pitch angle of body x above the horizon, positive nose up"),
     ("psi", Unit::Radian, "Heading from north, positive to the east"),
     ("p", Unit::RadianPerSecond, "Roll rate about body x, positive right wing down"),
     ("q", Unit::RadianPerSecond, "Pitch rate about body y, positive nose up"),
     ("r", Unit::RadianPerSecond, "Yaw rate about body z, positive nose right"),
+];
+const ALTITUDE: Plain = ("altitude", Unit::Metre, "Altitude above mean sea level, positive up");
+
+/// The last states.
+const PLACE: [Plain; 4] = [
     ("north", Unit::Metre, "Position north of the start, in undisturbed air over a flat earth"),
     ("east", Unit::Metre, "Position east of the start, in undisturbed air over a flat earth"),
-    ("altitude", Unit::Metre, "Altitude above mean sea level, positive up"),
+    ALTITUDE,
     ("power", Unit::Percent, "Power level of the engine, the aircraft's own engine state"),
 ];
 
-/// Outputs that records of flights have too, under the same names.
-const SIGNALS: [Plain; 22] = [
+fn states() -> impl Iterator<Item = Plain> {
+    STILL_AIR.into_iter().chain(ATTITUDE).chain(PLACE)
+}
+
+/// Outputs that records of flights have too, under the same names: these, the attitude, and the others.
+const MOVING_AIR: [Plain; 3] = [
     ("true_airspeed", Unit::MetrePerSecond, "True airspeed, relative to the moving air"),
     ("alpha", Unit::Radian, "Angle of attack relative to the moving air, positive nose up"),
     ("beta", Unit::Radian, "Sideslip angle relative to the moving air, positive with the wind from the right"),
-    ("phi", Unit::Radian, "Bank angle, positive right wing down"),
-    ("theta", Unit::Radian, "Pitch angle of body x above the horizon, positive nose up"),
-    ("psi", Unit::Radian, "Heading from north, positive to the east"),
-    ("p", Unit::RadianPerSecond, "Roll rate about body x, positive right wing down"),
-    ("q", Unit::RadianPerSecond, "Pitch rate about body y, positive nose up"),
-    ("r", Unit::RadianPerSecond, "Yaw rate about body z, positive nose right"),
+];
+const MEASURED: [Plain; 13] = [
     ("pdot", Unit::RadianPerSecondSquared, "Rate of the roll rate, body x"),
     ("qdot", Unit::RadianPerSecondSquared, "Rate of the pitch rate, body y"),
     ("rdot", Unit::RadianPerSecondSquared, "Rate of the yaw rate, body z"),
@@ -194,7 +204,7 @@ const SIGNALS: [Plain; 22] = [
         Unit::MetrePerSecondSquared,
         "Specific force along body z at the centre of gravity, positive down: about -9.8 in level flight",
     ),
-    ("altitude", Unit::Metre, "Altitude above mean sea level, positive up"),
+    ALTITUDE,
     ("north", Unit::Metre, "Position north of the start, over a flat earth"),
     ("east", Unit::Metre, "Position east of the start, over a flat earth"),
     ("air_density", Unit::KilogramPerCubicMetre, "Density of the air at the aircraft"),
@@ -202,6 +212,10 @@ const SIGNALS: [Plain; 22] = [
     ("mach", Unit::None, "Mach number"),
     ("thrust", Unit::Newton, "Size of the propulsive force, negative where it points backwards along body x"),
 ];
+
+fn signals() -> impl Iterator<Item = Plain> {
+    MOVING_AIR.into_iter().chain(ATTITUDE).chain(MEASURED)
+}
 
 /// Coefficients, which records do not have.
 const COEFFICIENTS: [(&str, Signal, &str); 6] = [
@@ -244,15 +258,15 @@ fn all() -> Vec<Variable> {
         let text = increment_text(name);
         push(name.into(), PARAMETERS + 1 + i as u32, Role::Increment(name), Unit::PerRadian, text);
     }
-    for (i, (name, unit, text)) in STATE_NAMES.into_iter().enumerate() {
+    for (i, (name, unit, text)) in states().enumerate() {
         push(format!("state.{name}"), STATE + i as u32, Role::State(i), unit, format!("State: {}", lower(text)));
     }
-    for (i, (name, unit, text)) in STATE_NAMES.into_iter().enumerate() {
+    for (i, (name, unit, text)) in states().enumerate() {
         let text = format!("Rate of the state: {}", lower(text));
         push(format!("der(state.{name})"), RATE + i as u32, Role::Rate(i), per_second(unit), text);
     }
     // A test sees to it that records know each of them.
-    let of_records = SIGNALS.into_iter().filter_map(|(name, unit, text)| Some((name, signal(name)?, unit, text)));
+    let of_records = signals().filter_map(|(name, unit, text)| Some((name, signal(name)?, unit, text)));
     let coefficients = COEFFICIENTS.into_iter().map(|(name, value, text)| (name, value, Unit::None, text));
     for (i, (name, value, unit, text)) in of_records.chain(coefficients).enumerate() {
         push(name.into(), OUTPUTS + i as u32, Role::Output(value), unit, text.into());
@@ -326,6 +340,7 @@ mod tests {
     #[test]
     fn every_signal_is_one_of_records() {
         let outputs = variables().iter().filter(|variable| variable.direction() == Direction::Output).count();
-        assert_eq!(outputs, SIGNALS.len() + COEFFICIENTS.len());
+        assert_eq!(outputs, signals().count() + COEFFICIENTS.len());
+        assert_eq!(states().count(), STATES);
     }
 }

@@ -13,10 +13,10 @@ use std::path::Path;
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 
-use super::Reproduction;
 use super::aircraft_case::AircraftCase;
 use super::comparison::ComparisonCase;
 use super::plant_case::PlantCase;
+use super::{Reproduction, changed_from};
 use phugoid_evaluation::accuracy::StudyError;
 use phugoid_simulation::scenario::{ScenarioError, parse_toml};
 
@@ -46,9 +46,12 @@ impl Case {
     /// [`ScenarioError`]: the file cannot be read, is not TOML, names something that does not exist, or has a value out
     /// of range; with file, line and what to write.
     pub fn read(file: &Path) -> Result<Self, ScenarioError> {
-        let text = std::fs::read_to_string(file)
-            .map_err(|source| ScenarioError::Unreadable { file: file.to_owned(), source })?;
-        let mut case = Self::parse(&text, &file.display().to_string())?;
+        Self::of_file(&text_of(file)?, file)
+    }
+
+    /// The case whose text a file has; the files that it names are looked for beside it.
+    fn of_file(text: &str, file: &Path) -> Result<Self, ScenarioError> {
+        let mut case = Self::parse(text, &file.display().to_string())?;
         let scenario = match &mut case {
             Self::Plant(_) => return Ok(case),
             Self::Aircraft(case) => &mut case.scenario,
@@ -90,5 +93,56 @@ impl Case {
             Self::Aircraft(case) => case.run(id),
             Self::Comparison(case) => case.run(id, &|_| ()),
         }
+    }
+}
+
+fn text_of(file: &Path) -> Result<String, ScenarioError> {
+    std::fs::read_to_string(file).map_err(|source| ScenarioError::Unreadable { file: file.to_owned(), source })
+}
+
+/// A case that is not one of the built-in entries: a file or a text of a user. Its result says so where it bears the title of a case
+/// of the thesis with another text.
+#[derive(Clone, Debug)]
+pub struct OwnCase {
+    /// The name of its result: that of the file, without the ending.
+    pub id: String,
+    /// The text of the case.
+    pub text: String,
+    case: Case,
+    /// The id of the built-in case whose title it bears.
+    changed: Option<&'static str>,
+}
+
+impl OwnCase {
+    /// Reads a case file.
+    ///
+    /// # Errors
+    /// As [`Case::read`].
+    pub fn read(file: &Path) -> Result<Self, ScenarioError> {
+        let text = text_of(file)?;
+        let case = Case::of_file(&text, file)?;
+        let id = file.file_stem().unwrap_or(file.as_os_str()).to_string_lossy().into_owned();
+        Ok(Self { id, changed: changed_from(&text), case, text })
+    }
+
+    /// Parses the text of a case; `id` is its name in messages and that of its result.
+    ///
+    /// # Errors
+    /// As [`Case::parse`].
+    pub fn parse(text: &str, id: &str) -> Result<Self, ScenarioError> {
+        let case = Case::parse(text, id)?;
+        Ok(Self { id: id.to_owned(), text: text.to_owned(), changed: changed_from(text), case })
+    }
+
+    /// Runs the case.
+    ///
+    /// # Errors
+    /// As [`Case::run`].
+    pub fn run(&self) -> Result<Reproduction, StudyError> {
+        let mut result = self.case.run(&self.id)?;
+        if let Some(of) = self.changed {
+            result.title = format!("{} (changed: not the case {of} of the thesis)", result.title);
+        }
+        Ok(result)
     }
 }

@@ -5,7 +5,7 @@ use crate::plausibility::{self, unit_of_step};
 use crate::quality::{ChannelQuality, Finding, QualityReport};
 use crate::record::{Channel, Record};
 use crate::statistics::median;
-use crate::table::clock::Clock;
+use crate::table::clock::{self, Clock};
 use crate::table::columns::{self, ColumnUse, Plan};
 use crate::table::time_base::{self, Table};
 use crate::table::{TableError, TableOptions, derived, stuck_and_spikes};
@@ -123,7 +123,6 @@ fn unit_of_time(time: &[f64]) -> Option<(&'static str, f64)> {
 /// The day numbers of spreadsheets that flights can have, and the steps between rows, s, of a recorder.
 const DAY_NUMBERS: std::ops::Range<f64> = 10_000.0..100_000.0;
 const STEPS_S: std::ops::RangeInclusive<f64> = 5e-4..=2.0;
-const SECONDS_PER_DAY: f64 = 86_400.0;
 
 /// Whether times are the day numbers in which a spreadsheet keeps dates (45413.5 is noon on 2024-05-01): no recorder has steps
 /// of microseconds.
@@ -131,14 +130,14 @@ fn are_day_numbers(time: &[f64]) -> bool {
     let mut steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0).collect();
     time.iter().all(|t| DAY_NUMBERS.contains(t))
         && steps.len() >= ENOUGH_ROWS
-        && median(&mut steps).is_some_and(|step| STEPS_S.contains(&(step * SECONDS_PER_DAY)))
+        && median(&mut steps).is_some_and(|step| STEPS_S.contains(&(step * clock::DAY)))
 }
 
 /// Reads day numbers, counted from the first of them so that no digit is lost, and says so.
 fn read_as_days(column: &mut ColumnUse, time: &mut [f64], report: &mut QualityReport) {
     let first = time.first().copied().unwrap_or(0.0);
-    time.iter_mut().for_each(|t| *t = (*t - first) * SECONDS_PER_DAY);
-    column.scale *= SECONDS_PER_DAY;
+    time.iter_mut().for_each(|t| *t = (*t - first) * clock::DAY);
+    column.scale *= clock::DAY;
     report.warn(
         format!("column '{}'", column.header),
         format!(

@@ -47,7 +47,8 @@ enum Date {
     DayOrMonthFirst(u32, u32, i64),
 }
 
-const DAY: f64 = 86_400.0;
+/// Seconds of a day.
+pub(crate) const DAY: f64 = 86_400.0;
 
 /// Reads the clock times of one column from row to row: counts on where a clock without a date starts again at midnight, and
 /// learns whether day or month comes first.

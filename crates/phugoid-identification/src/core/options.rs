@@ -128,8 +128,8 @@ pub struct EstimateOptions {
     /// parameters are opened again before the first sample that is not earlier than each. Methods without change
     /// detection ignore them.
     pub known_changes_s: Vec<f64>,
-    /// Whether the result is what a live session would have had. Otherwise the whole record is looked at again for changes that
-    /// were not found in flight ([`ChangeOutcome::FoundAfterwards`](super::estimation::ChangeOutcome::FoundAfterwards)).
+    /// Whether the result is what a live session would have had. Otherwise SMPE and the EKF, with a model in absolute form, look at
+    /// the whole record again for changes that were not found in flight ([`ChangeOutcome::FoundAfterwards`](super::estimation::ChangeOutcome::FoundAfterwards)).
     pub causal_only: bool,
     /// True values by parameter name, where the flight was simulated.
     pub truth: BTreeMap<String, f64>,

@@ -11,6 +11,7 @@ use nalgebra::DVector;
 
 use crate::core::estimation::{EstimationStatus, ReasonCode, VerdictReason};
 use crate::core::number::significant;
+use crate::judge::both_sides::{is_alike, is_material, moves_on_both_sides};
 use crate::judge::equations::{BLOCK_S, ByBlock, Equations};
 use crate::judge::normal::Normal;
 
@@ -18,13 +19,6 @@ use crate::judge::normal::Normal;
 const TOGETHER: usize = 2;
 /// Fewest groups of blocks on either side.
 const FEWEST: usize = 5;
-/// A change counts where the two values differ by this part of the larger one: terms that a model lacks make less.
-pub(crate) const MATERIAL: f64 = 0.25;
-/// The regressor has to move by this part as much (in mean squares) on the side on which it moves less, and in this many
-/// blocks as in a manoeuvre at the least: the noise of the measurements, and gusts that the vane does not see, make the value of one
-/// that hardly moves too small.
-pub(crate) const ALIKE: f64 = 0.2;
-pub(crate) const MOVING: usize = 1;
 /// Two-sided quantiles of Student's t for one in 100 000, by degrees of freedom: a flight asks some hundred times, with
 /// several terms at many moments, of which neighbours have the same answer.
 const STUDENT: [(f64, f64); 9] = [
@@ -87,9 +81,9 @@ struct Side {
 }
 
 impl Side {
-    fn of(groups: &[Normal]) -> Option<Self> {
-        let u = groups.first()?.right.len();
-        let all = groups.iter().fold(Normal::zeros(u), |sum, group| sum.plus(group, 1.0));
+    /// Of `u` terms.
+    fn of(u: usize, groups: &[Normal]) -> Option<Self> {
+        let all = Normal::sum(u, groups);
         let value = all.solve()?;
         let n = groups.len() as f64;
         let mut variance = DVector::zeros(u);
@@ -119,23 +113,18 @@ fn limit(degrees: usize) -> f64 {
 /// The terms of one equation that change, each where it shows most.
 fn changes(equation: &ByBlock, start_s: f64) -> Vec<Change> {
     let groups = Normal::groups(equation, TOGETHER);
+    let u = equation.used.len();
     // On both sides as in a manoeuvre.
-    let moves = |j: usize, split: usize| {
-        let (before, after) = equation.moving[j].split_at((split * TOGETHER).min(equation.moving[j].len()));
-        [before, after].iter().all(|side| side.iter().filter(|moves| **moves).count() >= MOVING)
-    };
-    let mut strongest: Vec<Option<Change>> = vec![None; equation.used.len()];
+    let moves = |j: usize, split: usize| moves_on_both_sides(&equation.moving[j], split * TOGETHER);
+    let mut strongest: Vec<Option<Change>> = vec![None; u];
     for split in FEWEST..groups.len().saturating_sub(FEWEST - 1) {
-        let Some((before, after)) = Side::of(&groups[..split]).zip(Side::of(&groups[split..])) else { continue };
+        let Some((before, after)) = Side::of(u, &groups[..split]).zip(Side::of(u, &groups[split..])) else { continue };
         let limit = limit(before.groups.min(after.groups) - 1);
         for (j, strongest) in strongest.iter_mut().enumerate() {
             let (from, to) = (before.value[j], after.value[j]);
             let strength = (to - from).abs() / (limit * (before.variance[j] + after.variance[j]).sqrt());
-            let material = (to - from).abs() >= MATERIAL * from.abs().max(to.abs());
-            let (less, more) = (before.motion[j].min(after.motion[j]), before.motion[j].max(after.motion[j]));
-            if material
-                && less >= ALIKE * more
-                && more > 0.0
+            if is_material(from, to)
+                && is_alike([before.motion[j], after.motion[j]])
                 && moves(j, split)
                 && strength > 1.0
                 && strongest.as_ref().is_none_or(|s| strength > s.strength)

@@ -7,12 +7,15 @@ use crate::judge::equations::ByBlock;
 /// Part of a regressor's square that the others may not share, at least: below it the terms cannot be told apart in this
 /// equation, such as a rolling and a yawing moment.
 const OWN: f64 = 1e-6;
+/// Added to the diagonal of regressors of unit length, so that one that does not move has no value in place of any.
+const RIDGE: f64 = 1e-9;
+
 /// Sums of products of one group of blocks: of the regressors, and of them with the left side.
 #[derive(Clone)]
 pub(crate) struct Normal {
-    pub(crate) gram: DMatrix<f64>,
-    pub(crate) right: DVector<f64>,
-    pub(crate) samples: f64,
+    gram: DMatrix<f64>,
+    right: DVector<f64>,
+    samples: f64,
 }
 
 impl Normal {
@@ -25,18 +28,18 @@ impl Normal {
             let right = &gram * DVector::from_row_slice(&equation.values) + block.view((0, u), (u, 1)).column(0);
             Self { gram, right, samples }
         };
-        let chunks = equation.sums.chunks(together).zip(equation.samples.chunks(together));
-        chunks
-            .map(|(blocks, samples)| {
-                blocks.iter().zip(samples).fold(Self::zeros(u), |sum, (block, n)| sum.plus(&of(block, *n), 1.0))
-            })
-            .collect()
+        let blocks: Vec<Self> =
+            equation.sums.iter().zip(&equation.samples).map(|(block, samples)| of(block, *samples)).collect();
+        blocks.chunks(together).map(|blocks| Self::sum(u, blocks)).collect()
     }
 
-    pub(crate) fn zeros(u: usize) -> Self {
-        Self { gram: DMatrix::zeros(u, u), right: DVector::zeros(u), samples: 0.0 }
+    /// The sums of all parts, of `u` regressors.
+    pub(crate) fn sum(u: usize, parts: &[Self]) -> Self {
+        let zeros = Self { gram: DMatrix::zeros(u, u), right: DVector::zeros(u), samples: 0.0 };
+        parts.iter().fold(zeros, |sum, part| sum.plus(part, 1.0))
     }
 
+    /// With another one added, or taken away (`sign` -1).
     pub(crate) fn plus(&self, other: &Self, sign: f64) -> Self {
         Self {
             gram: &self.gram + &other.gram * sign,
@@ -56,6 +59,7 @@ impl Normal {
         Some((scale, scaled.cholesky()?))
     }
 
+    /// The values of the terms by least squares; `None` where they cannot be told apart.
     pub(crate) fn solve(&self) -> Option<DVector<f64>> {
         let (scale, factors) = self.factors()?;
         let solved = factors.solve(&self.right.component_mul(&scale)).component_mul(&scale);
@@ -71,6 +75,3 @@ impl Normal {
         Some(DVector::from_fn(self.right.len(), |a, _| if told(a) { own(a) } else { 0.0 }))
     }
 }
-
-/// Added to the diagonal of regressors of unit length, so that one that does not move has no value in place of any.
-const RIDGE: f64 = 1e-9;

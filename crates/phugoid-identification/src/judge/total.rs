@@ -53,11 +53,7 @@ pub(crate) fn totals<M: Motion<N, R>, const N: usize, const R: usize>(
     let flown = VARIABLES.map(|variable| in_flight::<M, N, R>(prepared, file, variable));
     let reference = [prepared.reference.alpha, 0.0, prepared.reference.elevator];
     // An aircraft of a file asks for the air as well.
-    let row = M::AXES.row(Output::TrueAirspeed);
-    let speeds: Vec<f64> = row.map_or(Vec::new(), |row| prepared.outputs.iter().map(|y| y[row]).collect());
-    let recorded = prepared.known.iter().find(|signal| signal.name == "air_density");
-    let Condition { speed, density } =
-        Condition::of(file, speeds.into_iter(), recorded.map(|signal| signal.values.as_slice()));
+    let Condition { speed, density } = prepared.condition(file);
     let of = |result: &ParameterResult| {
         let parameter = file.parameters.iter().find(|p| p.name == result.name)?;
         let Role::Term(coefficient, term) = &parameter.role else { return None };

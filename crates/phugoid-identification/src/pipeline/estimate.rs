@@ -25,8 +25,8 @@ use crate::preparation::prepare::prepare;
 use crate::preparation::prepared::Prepared;
 
 /// Estimates the parameters of `model` from `record`, sample by sample as an on-board computer would: no estimate uses
-/// a later sample, except that SMPE and the EKF look at the whole record again for sudden changes that they did not find in
-/// flight, and are then opened where they happened ([`ChangeOutcome::FoundAfterwards`](crate::estimation::ChangeOutcome));
+/// a later sample, except that SMPE and the EKF, with a model in absolute form, look at the whole record again for sudden changes
+/// that they did not find in flight, and are then opened where they happened ([`ChangeOutcome::FoundAfterwards`](crate::estimation::ChangeOutcome));
 /// [`EstimateOptions::causal_only`] leaves that out. It may be called on any thread: models of the lateral motion, whose estimators need 3 MB of stack,
 /// run on one of their own, and `progress` is called from the caller's. (Measured noise levels, where the model file
 /// gives none, are those of the first two seconds, or of the first 40 samples if that is longer.) `progress` is called

@@ -1,7 +1,7 @@
 //! A second look at a whole record for a sudden change of the aircraft.
 //!
 //! A method that runs sample by sample has to decide within seconds whether what it sees is a change, and where its
-//! residuals are coloured it asks for so much that it misses half of the damages that foreign flights have. A record can be
+//! residuals are coloured it asks for so much that it misses a third of the damages that foreign flights have. A record can be
 //! asked more: how much better would everything after a moment have been predicted, had the parameters been opened there?
 //! The method is run again with the parameters opened at moments all over the flight, and the sum of the logarithms of the
 //! densities that it gave to each sample before it saw it is compared (prequential evidence: A. P. Dawid, *Statistical
@@ -15,7 +15,6 @@ use phugoid_estimators::ParameterStatus;
 use crate::core::error::EstimateError;
 use crate::core::estimation::{ChangeOutcome, Event, EventKind, without_part};
 use crate::core::options::EstimateOptions;
-use crate::core::output::Output;
 use crate::core::term::Coefficient;
 use crate::judge::both_sides::BothSides;
 use crate::methods::{ColumnRun, EveryRoom, Run, Task, run};
@@ -74,23 +73,22 @@ pub(super) fn look_back<M: EveryRoom<N, R>, const N: usize, const R: usize>(
 ) -> Result<Run<R>, EstimateError> {
     let Some([from_s, to_s]) = window(task, &first) else { return Ok(first) };
     let searches = CHANGES as f64 + 1.0;
-    let mut again = Again { task, tried: Vec::new() };
+    let again = Again { task };
     let mut known = task.options.known_changes_s.clone();
     let mut standing = evidence(&again.with(&known)?);
     let mut found: Option<Run<R>> = None;
     let mut best = again.best(&known, [from_s, to_s], standing, &mut |done| progress(done / searches))?;
     for search in 1..=CHANGES {
-        let Some((time_s, gain)) = best.filter(|(_, gain)| *gain >= EVIDENCE) else { break };
-        let opened = added(&known, time_s);
-        let with = again.with(&opened)?;
-        if !is_believed(task, &with, time_s, &known) {
+        let Tried { time_s, evidence: evidence_with, run: with } = best;
+        let gain = evidence_with - standing;
+        if gain < EVIDENCE || !is_believed(task, &with, time_s, &known) {
             break;
         }
-        let evidence_with = evidence(&with);
+        let opened = added(&known, time_s);
         let mut done = |done: f64| progress((search as f64 + done) / searches);
         best = again.best(&opened, [from_s, to_s], evidence_with, &mut done)?;
         // What wanders goes on to gain by being opened elsewhere; one sudden change explains the whole record.
-        let further = best.map_or(0.0, |(_, gain)| gain);
+        let further = best.evidence - evidence_with;
         let needed = if further > WANDERS * gain {
             EVIDENCE_WANDERING
         } else if is_elsewhere(task, time_s) {
@@ -152,8 +150,13 @@ fn evidence<const R: usize>(run: &Run<R>) -> f64 {
 /// Runs of the same method with the parameters opened at given times.
 struct Again<'a, 'b, M: EveryRoom<N, R>, const N: usize, const R: usize> {
     task: &'a Task<'b, M, N, R>,
-    /// Moments of the present search, with their evidence.
-    tried: Vec<(f64, f64)>,
+}
+
+/// A moment that was asked about, and the run that was opened there.
+struct Tried<const R: usize> {
+    time_s: f64,
+    evidence: f64,
+    run: Run<R>,
 }
 
 impl<M: EveryRoom<N, R>, const N: usize, const R: usize> Again<'_, '_, M, N, R> {
@@ -167,67 +170,62 @@ impl<M: EveryRoom<N, R>, const N: usize, const R: usize> Again<'_, '_, M, N, R> 
         run(&Task { prepared, file, options: &options, noise, health: None }, &mut |_| {})
     }
 
-    fn try_at(&mut self, known: &[f64], time_s: f64) -> Result<(), EstimateError> {
-        let found = evidence(&self.with(&added(known, time_s))?);
-        self.tried.push((time_s, found));
-        Ok(())
+    fn at(&self, known: &[f64], time_s: f64) -> Result<Tried<R>, EstimateError> {
+        let run = self.with(&added(known, time_s))?;
+        Ok(Tried { time_s, evidence: evidence(&run), run })
     }
 
-    /// The best moment, and by how much it is better than none, nats.
+    /// The best moment. `standing` is the evidence without one.
     fn best(
-        &mut self,
+        &self,
         known: &[f64],
         [from_s, to_s]: [f64; 2],
         standing: f64,
         progress: &mut dyn FnMut(f64),
-    ) -> Result<Option<(f64, f64)>, EstimateError> {
-        self.tried.clear();
+    ) -> Result<Tried<R>, EstimateError> {
         let moments = (((to_s - from_s) / CLOSEST_S).ceil() as usize).clamp(1, MOST);
         let step_s = (to_s - from_s) / moments as f64;
-        for k in 0..moments {
-            self.try_at(known, from_s + (k as f64 + 0.5) * step_s)?;
+        let mut best = self.at(known, from_s + 0.5 * step_s)?;
+        let keep_better = |time_s: f64, best: &mut Tried<R>| -> Result<(), EstimateError> {
+            let tried = self.at(known, time_s)?;
+            if tried.evidence >= best.evidence {
+                *best = tried;
+            }
+            Ok(())
+        };
+        for k in 1..moments {
             progress(k as f64 / moments as f64);
+            keep_better(from_s + (k as f64 + 0.5) * step_s, &mut best)?;
         }
-        let best = |tried: &[(f64, f64)]| tried.iter().copied().max_by(|a, b| a.1.total_cmp(&b.1));
         let mut half_s = step_s / 2.0;
-        while let Some((time_s, found)) = best(&self.tried)
-            && half_s > RESOLUTION_S
-            && found - standing > WORTH * EVIDENCE
-        {
-            for beside in [time_s - half_s, time_s + half_s] {
-                if (from_s..to_s).contains(&beside) {
-                    self.try_at(known, beside)?;
+        while half_s > RESOLUTION_S && best.evidence - standing > WORTH * EVIDENCE {
+            let middle_s = best.time_s;
+            for beside_s in [middle_s - half_s, middle_s + half_s] {
+                if (from_s..to_s).contains(&beside_s) {
+                    keep_better(beside_s, &mut best)?;
                 }
             }
             half_s /= 2.0;
         }
-        Ok(best(&self.tried).map(|(time_s, found)| (time_s, found - standing)))
+        Ok(best)
     }
 }
 
 /// Whether the flight goes on at another speed.
 fn is_elsewhere<M: EveryRoom<N, R>, const N: usize, const R: usize>(task: &Task<M, N, R>, time_s: f64) -> bool {
-    let prepared = task.prepared;
-    let speed = Output::TrueAirspeed;
-    let row = M::AXES.outputs().iter().position(|output| *output == speed).filter(|_| task.file.outputs[speed.index()]);
-    let known = prepared.known.iter().find(|signal| signal.name == speed.name());
-    let at = |k: usize| match (row, known) {
-        (Some(row), _) => prepared.outputs[k][row],
-        (None, Some(signal)) => signal.values[k],
-        (None, None) => f64::NAN,
-    };
-    let split = prepared.time.partition_point(|t| *t < time_s);
-    let mean = |samples: std::ops::Range<usize>| {
-        let (sum, count) = samples.map(at).filter(|v| v.is_finite()).fold((0.0, 0.0), |(s, n), v| (s + v, n + 1.0));
+    let speeds = task.prepared.speeds();
+    let (before, after) = speeds.split_at(task.prepared.time.partition_point(|t| *t < time_s).min(speeds.len()));
+    let mean = |speeds: &[f64]| {
+        let (sum, count) = speeds.iter().filter(|v| v.is_finite()).fold((0.0, 0.0), |(s, n), v| (s + v, n + 1.0));
         sum / count
     };
-    let differs = (mean(split..prepared.time.len()) / mean(0..split)).ln().abs();
+    let differs = (mean(after) / mean(before)).ln().abs();
     // Without an airspeed nothing says that it is the same.
     differs.is_nan() || differs > ELSEWHERE
 }
 
-/// Whether a parameter is another one before the time and after it, until the next known change. The drag alone does not say so: what the engine does looks
-/// like it.
+/// Whether a parameter is another one before the time and after it, until the next known change. The drag alone does not say
+/// so: what the engine does looks like it.
 fn is_believed<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     task: &Task<M, N, R>,
     run: &Run<R>,

@@ -24,8 +24,8 @@ pub(crate) struct Condition {
 
 impl Condition {
     /// That of the model file's reference, else the medians of what was flown.
-    pub(crate) fn of(file: &ModelFile, speeds: impl Iterator<Item = f64>, densities: Option<&[f64]>) -> Self {
-        let mut speeds: Vec<f64> = speeds.filter(|speed| speed.is_finite()).collect();
+    pub(crate) fn of(file: &ModelFile, mut speeds: Vec<f64>, densities: Option<&[f64]>) -> Self {
+        speeds.retain(|speed| speed.is_finite());
         let speed = file.aircraft.reference_speed.or_else(|| median(&mut speeds)).unwrap_or(f64::NAN);
         let density = densities.and_then(|values| median(&mut values.to_vec())).unwrap_or(f64::NAN);
         Self { speed, density }

@@ -18,6 +18,7 @@ use crate::motion::{Motion, ReferencePoint};
 use crate::preparation::database_part::{Condition, database_parts};
 use crate::preparation::intake::{KnownInput, Origin, known_inputs, model_input};
 pub use crate::preparation::prepared::Prepared;
+use crate::preparation::prepared::speeds;
 use crate::preparation::surface::{self, SurfaceNoise};
 use crate::preparation::timing::timing;
 use crate::preparation::trim::{LevelTrim, TrimCondition, level_trim};
@@ -213,11 +214,8 @@ fn collect<M: Motion<N, R>, const N: usize, const R: usize>(
         aileron: surface(wanted.aileron, Some(0.0), "aileron")?,
         rudder: surface(wanted.rudder, Some(0.0), "rudder")?,
     };
-    let speeds: Vec<f64> = match M::AXES.row(Output::TrueAirspeed) {
-        Some(row) => outputs.iter().map(|y| y[row]).collect(),
-        None => of("true_airspeed").unwrap_or_default().to_vec(),
-    };
-    let condition = Condition::of(file, speeds.into_iter(), of("air_density"));
+    let speeds = speeds::<M, N, R>(&outputs, of(Output::TrueAirspeed.name()));
+    let condition = Condition::of(file, speeds, of("air_density"));
     let (database_parts, lacking) = database_parts(file, &database, &reference, condition);
     notes.extend(lacking);
     let model = M::build(file, database, &reference);

@@ -2,8 +2,10 @@
 
 use crate::core::axes::Axes;
 use crate::core::estimation::Signal;
+use crate::core::output::Output;
 use crate::model_file::{ByPowers, DatabasePart, InputHold, ModelFile};
 use crate::motion::{Motion, ReferencePoint};
+use crate::preparation::database_part::Condition;
 use crate::preparation::intake::Origin;
 use crate::preparation::surface::SurfaceNoise;
 
@@ -54,8 +56,34 @@ impl<M: Motion<N, R>, const N: usize, const R: usize> Prepared<M, N, R> {
         file.estimated().zip(&self.database_parts).map(|(parameter, database)| file.by_powers(parameter, database))
     }
 
+    /// The true airspeed by sample, m/s: an output of the motion, or known beside it; NaN where it was not measured, and empty of
+    /// a motion that has none.
+    pub(crate) fn speeds(&self) -> Vec<f64> {
+        speeds::<M, N, R>(&self.outputs, self.known_values(Output::TrueAirspeed.name()))
+    }
+
+    /// What a database is asked for coefficients in.
+    pub(crate) fn condition(&self, file: &ModelFile) -> Condition {
+        Condition::of(file, self.speeds(), self.known_values("air_density"))
+    }
+
+    fn known_values(&self, name: &str) -> Option<&[f64]> {
+        self.known.iter().find(|signal| signal.name == name).map(|signal| signal.values.as_slice())
+    }
+
     /// The positions of the control surfaces, rad, by sample.
     pub(crate) fn surfaces(&self) -> impl Iterator<Item = &Signal> {
         self.known.iter().filter(|signal| Axes::SURFACES.contains(&signal.name.as_str()))
+    }
+}
+
+/// The true airspeed among the outputs of a motion, or else as it is known.
+pub(super) fn speeds<M: Motion<N, R>, const N: usize, const R: usize>(
+    outputs: &[[f64; R]],
+    known: Option<&[f64]>,
+) -> Vec<f64> {
+    match M::AXES.row(Output::TrueAirspeed) {
+        Some(row) => outputs.iter().map(|y| y[row]).collect(),
+        None => known.unwrap_or_default().to_vec(),
     }
 }

@@ -4,9 +4,9 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use phugoid_simulation::scenario::nearest;
-use phugoid_thesis::case_file::Case;
+use phugoid_thesis::Entry;
+use phugoid_thesis::case_file::OwnCase;
 use phugoid_thesis::result::Reproduction;
-use phugoid_thesis::{Entry, changed_from};
 
 use crate::failure::Failure;
 
@@ -14,16 +14,15 @@ use crate::failure::Failure;
 pub(super) enum Task {
     /// A built-in entry.
     Entry(Entry),
-    /// A case file, and the id of its result: the name of the file. `changed` is the id of the built-in case whose title it
-    /// bears with another text.
-    File { id: String, case: Box<Case>, text: String, changed: Option<&'static str> },
+    /// A case file.
+    File(Box<OwnCase>),
 }
 
 impl Task {
     pub(super) fn id(&self) -> &str {
         match self {
             Self::Entry(entry) => entry.id,
-            Self::File { id, .. } => id,
+            Self::File(case) => &case.id,
         }
     }
 
@@ -34,13 +33,7 @@ impl Task {
     pub(super) fn run(&self, done: &(dyn Fn(f64) + Sync)) -> Result<Reproduction, String> {
         match self {
             Self::Entry(entry) => (entry.run)(entry.id, done).map_err(|error| error.to_string()),
-            Self::File { id, case, changed, .. } => {
-                let mut result = case.run(id).map_err(|error| error.to_string())?;
-                if let Some(of) = changed {
-                    result.title = format!("{} (changed: not the case {of} of the thesis)", result.title);
-                }
-                Ok(result)
-            }
+            Self::File(case) => case.run().map_err(|error| error.to_string()),
         }
     }
 
@@ -48,7 +41,7 @@ impl Task {
     pub(super) fn text(&self) -> Option<&str> {
         match self {
             Self::Entry(entry) => phugoid_thesis::case_text(entry.id),
-            Self::File { text, .. } => Some(text),
+            Self::File(case) => Some(&case.text),
         }
     }
 }
@@ -66,7 +59,7 @@ pub(super) fn select(wanted: &[String], entries: &[Entry]) -> Result<Vec<Task>, 
         }
         seen.push(word);
         for task in matching(word, entries)? {
-            if matches!(task, Task::File { .. }) || !tasks.iter().any(|known| known.id() == task.id()) {
+            if matches!(task, Task::File(_)) || !tasks.iter().any(|known| known.id() == task.id()) {
                 tasks.push(task);
             }
         }
@@ -81,12 +74,13 @@ fn name_apart(tasks: &mut [Task]) {
     let mut taken: BTreeSet<String> =
         tasks.iter().filter(|t| matches!(t, Task::Entry(_))).map(|t| t.id().replace('/', "-")).collect();
     for task in tasks {
-        if let Task::File { id, .. } = task {
+        if let Task::File(case) = task {
+            let id = &case.id;
             let free = std::iter::once(id.clone()).chain((2..).map(|n: usize| format!("{id}-{n}")));
             if let Some(free) = free.into_iter().find(|name| !taken.contains(name)) {
-                *id = free;
+                case.id = free;
             }
-            taken.insert(id.clone());
+            taken.insert(case.id.clone());
         }
     }
 }
@@ -100,11 +94,7 @@ fn matching(word: &str, entries: &[Entry]) -> Result<Vec<Task>, Failure> {
     }
     let file = Path::new(word);
     if file.extension().is_some_and(|extension| extension == "toml") || file.is_file() {
-        let case = Case::read(file).map_err(Failure::input)?;
-        let id = file.file_stem().map_or_else(|| word.to_owned(), |stem| stem.to_string_lossy().into_owned());
-        let text = std::fs::read_to_string(file).map_err(|error| Failure::input(format!("{word}: {error}")))?;
-        let changed = changed_from(&text);
-        return Ok(vec![Task::File { id, case: Box::new(case), text, changed }]);
+        return Ok(vec![Task::File(Box::new(OwnCase::read(file).map_err(Failure::input)?))]);
     }
     Err(unknown(word, entries))
 }
