@@ -115,7 +115,7 @@ pub struct Adoptions {
 impl Adoptions {
     /// The changes that were not taken back.
     pub fn kept(&self) -> impl Iterator<Item = &Adoption> {
-        self.adopted.iter().filter(|a| a.outcome != ChangeOutcome::RolledBack)
+        self.adopted.iter().filter(|a| a.outcome.stands())
     }
 
     /// Whether the estimate after the adoptions is worse than the one before them.

@@ -1,4 +1,4 @@
-//! Changes that are found when the whole record is looked at again.
+//! Changes that are found, and those that are taken back, when the whole record is looked at again.
 
 use std::path::Path;
 
@@ -63,4 +63,30 @@ fn nothing_is_found_where_nothing_changes_and_where_nobody_looks() {
         let found = run(&part, &model, EstimateOptions::default());
         assert_eq!(found.changes, [], "{from_s} to {to_s}");
     }
+}
+
+/// A flight of JSBSim's `T38` in which nothing changes, with flow angles that lag (`scripts/field/make.py`, develop, `own-lags`). In
+/// flight a change is adopted at 10.6 s, with which CD_alpha is far off: -0.012, where it is 0.0785, and 0.080 without it.
+#[test]
+fn what_was_adopted_in_flight_and_does_not_predict_better_is_taken_back() {
+    let tests = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/look-back");
+    let model = ModelFile::open(tests.join("t38-longitudinal.toml")).unwrap();
+    let record = Record::open(tests.join("t38-own-lags.csv")).unwrap();
+    let drag = |found: &Estimation| found.parameters.iter().find(|p| p.name == "CD_alpha").unwrap().value;
+
+    let causal = run(&record, &model, EstimateOptions::causal());
+    let [adopted] = &causal.changes[..] else { panic!("{:?}", causal.changes) };
+    assert!(adopted.outcome.stands() && drag(&causal) < 0.0, "{:?}, {}", adopted.outcome, drag(&causal));
+
+    let found = run(&record, &model, EstimateOptions::default());
+    let [change] = &found.changes[..] else { panic!("{:?}", found.changes) };
+    assert_eq!((change.outcome, change.time_s), (ChangeOutcome::WithdrawnAfterwards, adopted.time_s));
+    assert!((drag(&found) / 0.0785 - 1.0).abs() < 0.1, "{}", drag(&found));
+    // The estimate is that of a run without a search for changes; what was thought in flight is still told.
+    let never = run(&record, &model, EstimateOptions { change_detection: Some(false), ..EstimateOptions::default() });
+    let values = |found: &Estimation| found.parameters.iter().map(|p| p.value).collect::<Vec<_>>();
+    assert_eq!(values(&found), values(&never));
+    let kinds: Vec<EventKind> = found.events.iter().map(|e| e.kind).filter(|kind| kind.is_of_detector()).collect();
+    assert_eq!(kinds, [EventKind::InDoubt, EventKind::Adopted, EventKind::RolledBack]);
+    assert!(found.verdict.iter().any(|s| s.contains("taken back: when the whole record was looked at again")));
 }

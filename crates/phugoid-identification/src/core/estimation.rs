@@ -379,6 +379,16 @@ pub enum ChangeOutcome {
     /// It was not found in flight, but when the whole record was looked at again: the record is predicted much better with the
     /// parameters opened at this time. A live session does not look again.
     FoundAfterwards,
+    /// It was adopted in flight, and taken back when the whole record was looked at again: the record is not predicted
+    /// better with it. The results are those without it. A live session does not look again.
+    WithdrawnAfterwards,
+}
+
+impl ChangeOutcome {
+    /// Whether the change was not taken back: the results are those after it.
+    pub const fn stands(self) -> bool {
+        !matches!(self, Self::RolledBack | Self::WithdrawnAfterwards)
+    }
 }
 
 /// A parameter before and after a change.

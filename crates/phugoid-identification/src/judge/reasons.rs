@@ -7,8 +7,7 @@ use phugoid_flight_data::record::Record;
 
 use crate::core::axes::{Axes, Group};
 use crate::core::estimation::{
-    ChangeOutcome, EstimationStatus, EventKind, FinalStatus, History, ParameterResult, ReasonCode, Signal,
-    VerdictReason,
+    EstimationStatus, EventKind, FinalStatus, History, ParameterResult, ReasonCode, Signal, VerdictReason,
 };
 use crate::core::method::Method;
 use crate::judge::contradiction::{self, Unsettled};
@@ -75,7 +74,7 @@ fn unsettled_stretches<const R: usize>(run: &Run<R>, time_s: &[f64]) -> Unsettle
         let doubts = run.events.iter().filter(|event| event.kind == EventKind::InDoubt).map(|event| event.time_s);
         doubts.filter(|doubted_s| *doubted_s <= adopted_s).fold(f64::NEG_INFINITY, f64::max)
     };
-    let kept = run.changes.iter().filter(|change| change.outcome != ChangeOutcome::RolledBack).map(|c| c.time_s);
+    let kept = run.changes.iter().filter(|change| change.outcome.stands()).map(|c| c.time_s);
     // Without a doubt on record the adoption is all that is known.
     let kept: Vec<[f64; 2]> = kept.map(|t| [Some(doubted(t)).filter(|d| d.is_finite()).unwrap_or(t), t]).collect();
     // A batch method has no densities, and does not learn as it goes.

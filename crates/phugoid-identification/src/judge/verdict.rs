@@ -300,11 +300,13 @@ const CHANGED: f64 = 3.0;
 /// What changed, from what to what, and what else could explain it.
 fn before_and_after(change: &AdoptedChange, contradicted: bool) -> String {
     let time_s = change.time_s;
-    if change.outcome == ChangeOutcome::RolledBack {
-        return format!(
-            "A change of the parameters was adopted at {time_s:.2} s and taken back: the estimate from before it has \
-             predicted better."
-        );
+    if !change.outcome.stands() {
+        let why = if change.outcome == ChangeOutcome::WithdrawnAfterwards {
+            "when the whole record was looked at again: it is not predicted better with the change"
+        } else {
+            "the estimate from before it has predicted better"
+        };
+        return format!("A change of the parameters was adopted at {time_s:.2} s and taken back: {why}.");
     }
     let mut changed: Vec<&ChangedParameter> = change.parameters.iter().filter(|p| p.sigmas().abs() > CHANGED).collect();
     changed.sort_by(|a, b| b.sigmas().abs().total_cmp(&a.sigmas().abs()));
@@ -346,7 +348,7 @@ fn before_and_after(change: &AdoptedChange, contradicted: bool) -> String {
              yet predicted better for long enough."
         }
         ChangeOutcome::FoundAfterwards => " It was found when the whole record was looked at again, not in flight.",
-        ChangeOutcome::Confirmed | ChangeOutcome::RolledBack => "",
+        ChangeOutcome::Confirmed | ChangeOutcome::RolledBack | ChangeOutcome::WithdrawnAfterwards => "",
     };
     format!(
         "{what}: found at {time_s:.2} s; {list}. A term that the model lacks, another flight condition, or a sensor error \

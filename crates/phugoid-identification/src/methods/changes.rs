@@ -52,7 +52,7 @@ impl Changes {
     /// Another filter has taken the place of the running one, which has found so many changes in the same flight: with
     /// the right levels of the residuals the others are none.
     pub(super) fn keep(&mut self, adoptions: usize) {
-        let mut standing = self.found.iter_mut().filter(|change| change.outcome != ChangeOutcome::RolledBack);
+        let mut standing = self.found.iter_mut().filter(|change| change.outcome.stands());
         for change in standing.by_ref().skip(adoptions) {
             change.outcome = ChangeOutcome::RolledBack;
         }

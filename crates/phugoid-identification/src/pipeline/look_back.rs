@@ -8,16 +8,17 @@
 //! Theory: The Prequential Approach*, J. R. Statist. Soc. A 147, 1984). A model that is wrong everywhere gains by being
 //! opened anywhere, so evidence alone is not enough: a derivative has to be another one before and after, by more than its
 //! errors and more than missing terms make of it, and the flight has to move it alike on both sides
-//! ([`BothSides`]).
+//! ([`BothSides`]). The same evidence is asked for of what was adopted in flight: where the whole record is not predicted better
+//! with it, it is taken back.
 
-use phugoid_estimators::ParameterStatus;
+use phugoid_estimators::{ChangeState, ParameterStatus};
 
 use crate::core::error::EstimateError;
 use crate::core::estimation::{ChangeOutcome, Event, EventKind, without_part};
 use crate::core::options::EstimateOptions;
 use crate::core::term::Coefficient;
 use crate::judge::both_sides::BothSides;
-use crate::methods::{ColumnRun, EveryRoom, Run, Task, run};
+use crate::methods::{ColumnRun, EveryRoom, Run, RunChange, Task, run};
 use crate::model_file::{Base, Role};
 
 /// Flight from the first motion to the first moment that is asked about, s: until then the estimates are still being found, and
@@ -52,6 +53,9 @@ const SIGMAS: f64 = 5.0;
 const AFTERWARDS: &str =
     "the parameters changed: not noticed in flight, found when the whole record was looked at again";
 
+/// What is said of changes that were adopted in flight, and with which the record is not predicted better.
+const WITHDRAWN: &str = "what was adopted in flight was taken back when the whole record was looked at again: it is not predicted better with it";
+
 /// Whether a record is looked at again by this method with these options. Increments to a database are not: with a scale of the
 /// surfaces that is off by 3 % a moment of the `f16-six` was taken for a change, and what is asked was measured on
 /// foreign flights in absolute form alone.
@@ -61,8 +65,8 @@ pub(super) fn looks_back<M: EveryRoom<N, R>, const N: usize, const R: usize>(tas
     looks && task.file.base == Base::None && task.method().learns_noise() && task.health.is_none()
 }
 
-/// The run of a causal method over a whole record, or the better one in which the parameters were opened where the record
-/// says that they changed.
+/// The run of a causal method over a whole record; or the better one in which the parameters were opened where the record
+/// says that they changed; or the one without a change, where the record is not predicted better with what was adopted in flight.
 ///
 /// # Errors
 /// Those of the method.
@@ -71,11 +75,78 @@ pub(super) fn look_back<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     first: Run<R>,
     progress: &mut dyn FnMut(f64),
 ) -> Result<Run<R>, EstimateError> {
-    let Some([from_s, to_s]) = window(task, &first) else { return Ok(first) };
-    let searches = CHANGES as f64 + 1.0;
+    if !looks_back(task) || !first.excited {
+        return Ok(first);
+    }
+    let Some(end_s) = task.prepared.time.last().copied() else { return Ok(first) };
+    let window = window(task, &first);
+    if window.is_none() && !first.changes.iter().any(|change| change.outcome.stands()) {
+        return Ok(first);
+    }
     let again = Again { task };
+    let without = again.with(&task.options.known_changes_s)?;
+    let found = match window {
+        Some(window) => search(&again, window, evidence(&without), progress)?,
+        None => None,
+    };
+    progress(1.0);
+    Ok(match found {
+        Some((found, evidence_with)) if evidence_with > evidence(&first) => found,
+        _ if is_unsupported(&first, &without, &task.prepared.time) => withdrawn(&first, without, end_s),
+        _ => first,
+    })
+}
+
+/// Whether the run has adopted changes with which the whole record is not predicted better than without them. Of a change shortly
+/// before the end there is not yet much to predict: with that, it must not have become worse. Nor must what comes after a doubt
+/// that is not decided at the end.
+fn is_unsupported<const R: usize>(first: &Run<R>, without: &Run<R>, time_s: &[f64]) -> bool {
+    let adopted = in_flight(first, without).filter(|change| change.outcome.stands());
+    let last_s = adopted.map(|change| change.time_s).reduce(f64::max);
+    let (Some(last_s), Some(end_s)) = (last_s, time_s.last()) else { return false };
+    let needed = if last_s > end_s - AFTER_S { 0.0 } else { EVIDENCE };
+    let doubts = first.events.iter().filter(|event| event.kind == EventKind::InDoubt);
+    let doubted = doubts.filter(|_| first.status.change == ChangeState::InDoubt).next_back();
+    let gain_from = |sample: usize| evidence_from(first, sample) - evidence_from(without, sample);
+    gain_from(0) < needed && doubted.is_none_or(|event| gain_from(time_s.partition_point(|t| *t < event.time_s)) < 0.0)
+}
+
+/// The changes that a run found itself: those of the same run without a search for changes are given ones.
+fn in_flight<'a, const R: usize>(first: &'a Run<R>, without: &'a Run<R>) -> impl Iterator<Item = &'a RunChange> {
+    first.changes.iter().filter(|change| without.changes.iter().all(|given| given.time_s != change.time_s))
+}
+
+/// The run without the changes that were adopted in flight, with word of what happened to them.
+fn withdrawn<const R: usize>(first: &Run<R>, mut without: Run<R>, end_s: f64) -> Run<R> {
+    let taken_back = in_flight(first, &without).map(|change| {
+        let outcome = if change.outcome.stands() { ChangeOutcome::WithdrawnAfterwards } else { change.outcome };
+        RunChange { outcome, ..change.clone() }
+    });
+    let taken_back: Vec<RunChange> = taken_back.collect();
+    without.changes.extend(taken_back);
+    without.changes.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
+    // What the search for changes said in flight, and its end.
+    let is_known = |event: &Event| without.events.iter().any(|e| (e.time_s, e.kind) == (event.time_s, event.kind));
+    let said: Vec<Event> =
+        first.events.iter().filter(|event| event.kind.is_of_detector() && !is_known(event)).cloned().collect();
+    without.events.extend(said);
+    let message = WITHDRAWN.to_owned();
+    without.events.push(Event { time_s: end_s, kind: EventKind::RolledBack, message });
+    without.events.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
+    without
+}
+
+/// The best run of those that are opened where the record says that the parameters changed, with its evidence; none where
+/// nothing is believed. `standing` is the evidence without a change.
+fn search<M: EveryRoom<N, R>, const N: usize, const R: usize>(
+    again: &Again<M, N, R>,
+    [from_s, to_s]: [f64; 2],
+    mut standing: f64,
+    progress: &mut dyn FnMut(f64),
+) -> Result<Option<(Run<R>, f64)>, EstimateError> {
+    let task = again.task;
+    let searches = CHANGES as f64 + 1.0;
     let mut known = task.options.known_changes_s.clone();
-    let mut standing = evidence(&again.with(&known)?);
     let mut found: Option<Run<R>> = None;
     let mut best = again.best(&known, [from_s, to_s], standing, &mut |done| progress(done / searches))?;
     for search in 1..=CHANGES {
@@ -102,22 +173,27 @@ pub(super) fn look_back<M: EveryRoom<N, R>, const N: usize, const R: usize>(
         (known, standing) = (opened, evidence_with);
         found = Some(with);
     }
-    progress(1.0);
-    match found {
-        Some(mut found) if standing > evidence(&first) => {
-            let given = &task.options.known_changes_s;
-            let time = &task.prepared.time;
-            // A change is dated by the first sample that it holds for.
-            let sample = |t: f64| time.get(time.partition_point(|s| *s + 1e-9 < t)).copied();
-            let looked: Vec<f64> = known.iter().filter(|t| !given.contains(t)).filter_map(|t| sample(*t)).collect();
-            let of_here = found.changes.iter_mut().filter(|change| looked.contains(&change.time_s));
-            of_here.for_each(|change| change.outcome = ChangeOutcome::FoundAfterwards);
-            let of_here = |event: &&mut Event| event.kind == EventKind::Adopted && looked.contains(&event.time_s);
-            found.events.iter_mut().filter(of_here).for_each(|event| AFTERWARDS.clone_into(&mut event.message));
-            Ok(found)
-        }
-        _ => Ok(first),
-    }
+    Ok(found.map(|mut found| {
+        say_found_afterwards(task, &mut found, &known);
+        (found, standing)
+    }))
+}
+
+/// Marks the changes of a run that were not given but found by looking at the whole record.
+fn say_found_afterwards<M: EveryRoom<N, R>, const N: usize, const R: usize>(
+    task: &Task<M, N, R>,
+    found: &mut Run<R>,
+    known: &[f64],
+) {
+    let given = &task.options.known_changes_s;
+    let time = &task.prepared.time;
+    // A change is dated by the first sample that it holds for.
+    let sample = |t: f64| time.get(time.partition_point(|s| *s + 1e-9 < t)).copied();
+    let looked: Vec<f64> = known.iter().filter(|t| !given.contains(t)).filter_map(|t| sample(*t)).collect();
+    let of_here = found.changes.iter_mut().filter(|change| looked.contains(&change.time_s));
+    of_here.for_each(|change| change.outcome = ChangeOutcome::FoundAfterwards);
+    let of_here = |event: &&mut Event| event.kind == EventKind::Adopted && looked.contains(&event.time_s);
+    found.events.iter_mut().filter(of_here).for_each(|event| AFTERWARDS.clone_into(&mut event.message));
 }
 
 /// The times between which a change is looked for, s; none where nothing is to be looked for.
@@ -125,9 +201,6 @@ fn window<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     task: &Task<M, N, R>,
     first: &Run<R>,
 ) -> Option<[f64; 2]> {
-    if !looks_back(task) || !first.excited {
-        return None;
-    }
     let moved = first.log_density.iter().position(|row| row.iter().any(|v| v.is_finite()))?;
     let (moved_s, end_s) = (*task.prepared.time.get(moved)?, *task.prepared.time.last()?);
     let window = [moved_s + BEFORE_S, end_s - AFTER_S];
@@ -144,7 +217,12 @@ fn added(known: &[f64], time_s: f64) -> Vec<f64> {
 
 /// Logarithm of the density that a run gave to the record, sample by sample before it saw it, nats.
 fn evidence<const R: usize>(run: &Run<R>) -> f64 {
-    run.log_density.iter().flatten().filter(|nats| nats.is_finite()).sum()
+    evidence_from(run, 0)
+}
+
+/// The same of the samples from this one on.
+fn evidence_from<const R: usize>(run: &Run<R>, sample: usize) -> f64 {
+    run.log_density.iter().skip(sample).flatten().filter(|nats| nats.is_finite()).sum()
 }
 
 /// Runs of the same method with the parameters opened at given times.

@@ -38,6 +38,9 @@ fn one(estimation: &Estimation, change: &AdoptedChange) -> String {
         ChangeOutcome::Confirmed => "Confirmed: the estimate after it has predicted better",
         ChangeOutcome::FoundAfterwards => "Found when the whole record was looked at again, not in flight",
         ChangeOutcome::RolledBack => "Taken back: the estimate from before it has predicted better",
+        ChangeOutcome::WithdrawnAfterwards => {
+            "Taken back when the whole record was looked at again: the record is not predicted better with it"
+        }
     };
     let mut rows: Vec<_> = change.parameters.iter().collect();
     rows.sort_by(|a, b| b.sigmas().abs().total_cmp(&a.sigmas().abs()));
