@@ -2,6 +2,7 @@
 
 pub mod check_case;
 pub mod daveml;
+pub mod engine;
 pub mod flown;
 pub mod jsbsim;
 pub mod tp1538;
