@@ -101,6 +101,9 @@ impl Dimension {
     pub const POWER: Self = Self { powers: [2, 1, -3, 0, 0], name: "a power", units: &["W", "kW", "hp"] };
     /// A speed of rotation, as of a propeller, in turns; SI unit Hz (turns per second).
     pub const TURNS: Self = Self { powers: [0, 0, -1, 0, 0], name: "a speed of rotation", units: &["Hz", "rpm"] };
+    /// A flow of fuel; SI unit kg/s.
+    pub const FUEL_FLOW: Self =
+        Self { powers: [0, 1, -1, 0, 0], name: "a fuel flow", units: &["kg/s", "kg/h", "lb/h"] };
     /// Fuel for each thrust and time; SI unit kg/(N s), written kg/N/s.
     pub const FUEL_BY_THRUST: Self =
         Self { powers: [-1, 0, 1, 0, 0], name: "a fuel flow for each thrust", units: &["kg/N/s", "lb/lbf/h"] };
@@ -339,7 +342,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    const ALL: [Dimension; 22] = [
+    const ALL: [Dimension; 23] = [
         Dimension::NUMBER,
         Dimension::LENGTH,
         Dimension::AREA,
@@ -360,6 +363,7 @@ mod tests {
         Dimension::of(Quantity::Temperature, &["K", "degC", "degF"]),
         Dimension::POWER,
         Dimension::TURNS,
+        Dimension::FUEL_FLOW,
         Dimension::FUEL_BY_THRUST,
         Dimension::FUEL_BY_POWER,
     ];

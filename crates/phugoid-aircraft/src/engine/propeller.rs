@@ -1,6 +1,15 @@
 //! A propeller: what it makes of the power of its engine.
 
+use phugoid_flight_dynamics::scalar::Scalar;
+
+use crate::expansion::expanded;
 use crate::jsbsim::{GivenPropeller, GivenTables};
+
+/// Steps of the central differences: those of power and density are shares of them, that of the speed is in m/s. The balance is
+/// found to some 1e-14, so that derivatives between the kinks of the tables are good to 1e-8.
+const STEPS: [f64; 3] = [1e-5, 1e-3, 1e-5];
+/// The least step of the power, W.
+const LEAST_POWER_STEP: f64 = 0.1;
 
 /// What describes a [`Propeller`].
 #[derive(Clone, Debug, PartialEq)]
@@ -51,19 +60,21 @@ pub enum PropellerError {
         columns: usize,
     },
     /// At rest a propeller takes power; without that it would turn ever faster.
-    #[error("`power_coefficient` is {0} at the lowest advance ratio: it has to be above 0, or nothing holds the propeller")]
+    #[error(
+        "`power_coefficient` is {0} at the lowest advance ratio: it has to be above 0, or nothing holds the propeller"
+    )]
     TakesNothing(f64),
 }
 
 /// What a propeller does, about its axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PropellerWork {
+pub struct PropellerWork<T = f64> {
     /// Thrust, N, forward positive; negative where the air drives the propeller.
-    pub thrust_n: f64,
+    pub thrust_n: T,
     /// Torque that it takes from its engine, N m; negative where the air drives it. Its reaction turns the aircraft the other way.
-    pub torque_n_m: f64,
+    pub torque_n_m: T,
     /// Turns per second.
-    pub turns_s: f64,
+    pub turns_s: T,
 }
 
 /// A propeller that turns at once as fast as the power of its engine turns it: the power that it takes, `CP(J) rho n^3 D^5`, is the
@@ -158,9 +169,22 @@ impl Propeller {
     }
 
     /// What it does where the engine gives a power (W, below 0 taken as 0) in air of a density (kg/m^3) that comes along its axis at
-    /// a speed (m/s). Not a number where one of them is not.
-    pub fn work(&self, power_w: f64, speed_m_s: f64, density: f64) -> PropellerWork {
-        let [thrust_n, torque_n_m, turns_s] = self.given.work(power_w, speed_m_s, density);
+    /// a speed (m/s). Not a number where one of them is not. Derivatives (of dual numbers) are central differences.
+    pub fn work<T: Scalar>(&self, power_w: T, speed_m_s: T, density: T) -> PropellerWork<T> {
+        let between = |i: usize, value: f64| match i {
+            // There is no power below none.
+            0 => {
+                let step = (STEPS[0] * value).max(LEAST_POWER_STEP);
+                [(value - step).max(0.0), value.max(0.0) + step]
+            }
+            1 => [value - STEPS[1], value + STEPS[1]],
+            _ => [value * (1.0 - STEPS[2]), value * (1.0 + STEPS[2])],
+        };
+        let [thrust_n, torque_n_m, turns_s] = expanded(
+            [power_w, speed_m_s, density],
+            |&[power, speed, density]| self.given.work(power, speed, density),
+            between,
+        );
         PropellerWork { thrust_n, torque_n_m, turns_s }
     }
 }

@@ -6,6 +6,7 @@ mod shared_data;
 
 mod damage;
 mod declared_by_default;
+mod engines;
 mod flap;
 mod golden_flight;
 mod known_base;
