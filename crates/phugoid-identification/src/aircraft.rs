@@ -20,6 +20,9 @@ use crate::motion::ReferencePoint;
 use crate::preparation::prepare::{database, reference_trim};
 use engine::{At, Engine};
 
+/// A term of a coefficient with its value.
+type Valued = (Coefficient, Term, f64);
+
 /// Why a model file makes no aircraft that can be flown.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
@@ -124,7 +127,7 @@ pub struct ModelAircraft {
     centre_of_gravity: Option<f64>,
     aerodynamics: Aerodynamics,
     /// The terms of the rate of the angle of attack, with their values.
-    rate_terms: Vec<(Coefficient, Term, f64)>,
+    rate_terms: Vec<Valued>,
     geometry: Geometry,
     mass: MassProperties,
     gravity: f64,
@@ -289,7 +292,7 @@ impl ModelAircraft {
     /// The sum of terms with values, in body axes; `rate` is the rate of the angle of attack, made dimensionless.
     fn sum<T: Scalar>(
         &self,
-        terms: &[(Coefficient, Term, f64)],
+        terms: &[Valued],
         air: &AirData<T>,
         rates: [T; 3],
         controls: &Controls<T>,

@@ -5,7 +5,8 @@ use phugoid_flight_dynamics::aircraft::{AirData, DataRange, Propulsion};
 use phugoid_flight_dynamics::atmosphere::Atmosphere;
 use phugoid_flight_dynamics::scalar::Scalar;
 
-use crate::core::term::{Coefficient, Term};
+use super::Valued;
+use crate::core::term::Coefficient;
 use crate::export::Identified;
 use crate::model_file::{EngineData, PropelledData};
 
@@ -20,7 +21,7 @@ pub(super) enum Engine {
 pub(super) struct Propelled {
     data: PropelledData,
     /// Terms in the slipstream, and their values times the share of it that they feel.
-    blown: Vec<(Coefficient, Term, f64)>,
+    blown: Vec<Valued>,
     /// Whether the aircraft rolls and yaws: without that, nothing could balance the torque.
     turns: bool,
 }
@@ -111,7 +112,7 @@ impl Engine {
         propulsion: &Propulsion<T>,
         air: &AirData<T>,
         [along_x, along_z, _]: [f64; 3],
-    ) -> Option<(T, &[(Coefficient, Term, f64)])> {
+    ) -> Option<(T, &[Valued])> {
         let Self::Propeller(propelled) = self else { return None };
         if propelled.blown.is_empty() {
             return None;
