@@ -2,6 +2,7 @@
 
 mod changed;
 mod delay;
+mod lighter;
 mod stepper;
 
 use crate::aircraft::{AirData, Aircraft, Coefficients, Controls, Propulsion, State};

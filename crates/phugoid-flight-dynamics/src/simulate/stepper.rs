@@ -1,10 +1,10 @@
 //! The integration of a flight sample by sample: for who decides from one sample to the next what flies and how.
 
 use super::delay::Delay;
+use super::lighter::Lighter;
 use super::{CommandHold, SimulationError, TrajectorySample, grid_time};
 use crate::actuator::ACTUATOR_STATES;
 use crate::aircraft::{Aircraft, Controls, STATES, State};
-use crate::fuel::Lighter;
 use crate::gust::AirMotion;
 use crate::increments::Increments;
 use crate::integrate::rk4_step;
