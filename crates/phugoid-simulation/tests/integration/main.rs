@@ -4,6 +4,7 @@
 #[path = "../../../../tests/shared_data.rs"]
 mod shared_data;
 
+mod against_record;
 mod damage;
 mod declared_by_default;
 mod engines;
