@@ -2,6 +2,8 @@
 
 pub mod check_case;
 pub mod daveml;
+pub mod engine;
+mod expansion;
 pub mod flown;
 pub mod jsbsim;
 pub mod tp1538;

@@ -193,7 +193,7 @@ impl Transport {
         }
         let geometry =
             Geometry { cg: (-centre[0] - vehicle.leading_edge) / vehicle.geometry.mean_chord, ..vehicle.geometry };
-        let actuator = Actuator { limit: LIMIT * DEGREE, rate_limit: options.surface_rate, lag: options.actuator_lag };
+        let actuator = Actuator::new(LIMIT * DEGREE, options.surface_rate, options.actuator_lag);
         let properties = MassProperties::from_tensor(mass.mass, mass.tensor(), 0.0);
         Ok(Self {
             options: *options,
@@ -321,6 +321,7 @@ impl Aircraft for Transport {
             elevator: tables.elevator.ends(),
             aileron: tables.aileron.ends(),
             rudder: [-rudder, rudder],
+            ..DataRange::UNSTATED
         }
     }
 }

@@ -49,6 +49,21 @@ const fn powers(quantity: Quantity) -> Powers {
     }
 }
 
+/// Units of engines, by factor and powers. They are no units of headers: a column `q_w` is the fourth part of a quaternion and no
+/// power.
+fn of_engine(name: &str) -> Option<(f64, Powers)> {
+    /// 550 ft lbf/s.
+    const HORSEPOWER: f64 = 550.0 * 0.3048 * 0.453_592_37 * 9.806_65;
+    const POWER: Powers = Dimension::POWER.powers;
+    match name.to_ascii_lowercase().as_str() {
+        "w" => Some((1.0, POWER)),
+        "kw" => Some((1e3, POWER)),
+        "hp" => Some((HORSEPOWER, POWER)),
+        "rpm" => Some((1.0 / 60.0, Dimension::TURNS.powers)),
+        _ => None,
+    }
+}
+
 impl Dimension {
     const fn of(quantity: Quantity, units: &'static [&'static str]) -> Self {
         Self { powers: powers(quantity), name: quantity.in_words(), units }
@@ -82,6 +97,19 @@ impl Dimension {
     pub const ACCELERATION: Self = Self::of(Quantity::Acceleration, &["m/s^2", "ft/s^2", "g", "mg"]);
     /// A force; SI unit N.
     pub const FORCE: Self = Self::of(Quantity::Force, &["N", "kN", "lbf"]);
+    /// A power; SI unit W.
+    pub const POWER: Self = Self { powers: [2, 1, -3, 0, 0], name: "a power", units: &["W", "kW", "hp"] };
+    /// A speed of rotation, as of a propeller, in turns; SI unit Hz (turns per second).
+    pub const TURNS: Self = Self { powers: [0, 0, -1, 0, 0], name: "a speed of rotation", units: &["Hz", "rpm"] };
+    /// A flow of fuel; SI unit kg/s.
+    pub const FUEL_FLOW: Self =
+        Self { powers: [0, 1, -1, 0, 0], name: "a fuel flow", units: &["kg/s", "kg/h", "lb/h"] };
+    /// Fuel for each thrust and time; SI unit kg/(N s), written kg/N/s.
+    pub const FUEL_BY_THRUST: Self =
+        Self { powers: [-1, 0, 1, 0, 0], name: "a fuel flow for each thrust", units: &["kg/N/s", "lb/lbf/h"] };
+    /// Fuel for each power and time; SI unit kg/(W s), written kg/W/s.
+    pub const FUEL_BY_POWER: Self =
+        Self { powers: [-2, 0, 2, 0, 0], name: "a fuel flow for each power", units: &["kg/W/s", "kg/kW/h", "lb/hp/h"] };
     /// A density of the air; SI unit kg/m^3.
     pub const DENSITY: Self = Self::of(Quantity::Density, &["kg/m^3", "slug/ft^3", "lb/ft^3"]);
     /// The spectral density of the noise that drives a speed; SI unit m^2/s^3.
@@ -192,18 +220,22 @@ impl Dimension {
                 continue;
             }
             let (name, power) = name_and_power(word).ok_or_else(|| self.unknown(text, word))?;
-            let found = units::find(name);
+            let found: Vec<(f64, Powers)> = units::find(name)
+                .into_iter()
+                // Units with an offset (degC) have no meaning in products.
+                .filter(|unit| unit.offset == 0.0)
+                .map(|unit| (unit.scale, powers(unit.quantity)))
+                .chain(of_engine(name))
+                .collect();
             if found.is_empty() || meanings.len() > 64 {
                 return Err(self.unknown(text, name));
             }
             meanings = meanings
                 .iter()
                 .flat_map(|(factor, total)| {
-                    // Units with an offset (degC) have no meaning in products.
-                    found.iter().filter(|u| u.offset == 0.0).map(move |u| {
-                        let powers = powers(u.quantity);
+                    found.iter().map(move |(scale, powers)| {
                         let total = std::array::from_fn(|i| total[i] + sign * power * i32::from(powers[i]));
-                        (factor * u.scale.powi(sign * power), total)
+                        (factor * scale.powi(sign * power), total)
                     })
                 })
                 .collect();
@@ -310,7 +342,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    const ALL: [Dimension; 18] = [
+    const ALL: [Dimension; 23] = [
         Dimension::NUMBER,
         Dimension::LENGTH,
         Dimension::AREA,
@@ -329,6 +361,11 @@ mod tests {
         Dimension::ANGLE_NOISE,
         Dimension::ANGULAR_RATE_NOISE,
         Dimension::of(Quantity::Temperature, &["K", "degC", "degF"]),
+        Dimension::POWER,
+        Dimension::TURNS,
+        Dimension::FUEL_FLOW,
+        Dimension::FUEL_BY_THRUST,
+        Dimension::FUEL_BY_POWER,
     ];
 
     #[test]
@@ -369,6 +406,12 @@ mod tests {
         close("1e-4 rad^2/s", Dimension::ANGLE_NOISE, 1e-4);
         close("2 1/s", Dimension::FREQUENCY, 2.0);
         close("59 degF", ALL[17], 288.15);
+        close("119 kW", Dimension::POWER, 119_000.0);
+        // 1 hp = 745.699872 W (NIST SP 811, table B.8)
+        close("160 hp", Dimension::POWER, 160.0 * 745.699_871_582_270_1);
+        close("2400 rpm", Dimension::TURNS, 40.0);
+        close("0.6 lb/lbf/h", Dimension::FUEL_BY_THRUST, 0.6 / 9.806_65 / 3600.0);
+        close("0.3 kg/kW/h", Dimension::FUEL_BY_POWER, 0.3 / 1000.0 / 3600.0);
         close("30 %", Dimension::NUMBER, 0.3);
         close("0.3", Dimension::NUMBER, 0.3);
         assert_eq!(Dimension::LENGTH.parse_or_si("3"), Ok(3.0));

@@ -1,9 +1,11 @@
-//! Surface actuators: first-order lag with rate and position limits.
+//! Surface actuators: first-order lag with rate and position limits, delay and play.
 
 use crate::aircraft::Controls;
 
 /// One actuator: `position' = clamp((clamp(command) - position) / lag, +-rate limit)`
 /// (Stevens & Lewis appendix A.4: a lag of 20.2 1/s behind rate and deflection limits).
+///
+/// The command may come late, and the surface may hang in its linkage with play. Both are zero in [`Actuator::new`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Actuator {
     /// Largest deflection to either side, rad.
@@ -12,9 +14,37 @@ pub struct Actuator {
     pub rate_limit: f64,
     /// Time constant of the lag, s.
     pub lag: f64,
+    /// Time by which the actuator gets its command late, s: a computer or a bus.
+    pub delay: f64,
+    /// Play between actuator and surface, rad, from one side to the other: the surface stays where it is until the actuator has
+    /// gone through it, and then trails by half of it.
+    pub play: f64,
 }
 
 impl Actuator {
+    /// An actuator without delay and play: limit (rad), rate limit (rad/s) and lag (s).
+    pub const fn new(limit: f64, rate_limit: f64, lag: f64) -> Self {
+        Self { limit, rate_limit, lag, delay: 0.0, play: 0.0 }
+    }
+
+    /// Where the surface is when the actuator is at `position` and the surface was at `before`, rad: as before, unless the actuator
+    /// pushes it (backlash with friction, e.g. G. Tao and P. V. Kokotovic, *Adaptive Control of Systems with Actuator and Sensor
+    /// Nonlinearities*, Wiley 1996, ch. 2). A play that is not a positive number is none.
+    #[inline]
+    pub fn surface(&self, position: f64, before: f64) -> f64 {
+        if self.play > 0.0 {
+            let half = 0.5 * self.play;
+            if before < position - half {
+                return position - half;
+            }
+            if before > position + half {
+                return position + half;
+            }
+            return before;
+        }
+        position
+    }
+
     /// The command that the actuator can follow: within the deflection limits, rad.
     #[inline]
     pub fn reachable(&self, command: f64) -> f64 {
@@ -69,7 +99,23 @@ impl Actuators {
         ]
     }
 
-    /// The controls that the aircraft feels: the lever as commanded, the surfaces where the actuators have them.
+    /// Elevator, aileron and rudder.
+    pub fn each(&self) -> [&Actuator; ACTUATOR_STATES] {
+        [&self.elevator, &self.aileron, &self.rudder]
+    }
+
+    /// Where the surfaces are when the actuators are at `positions` and the surfaces were at `before`, rad.
+    #[inline]
+    pub fn surfaces(
+        &self,
+        positions: [f64; ACTUATOR_STATES],
+        before: [f64; ACTUATOR_STATES],
+    ) -> [f64; ACTUATOR_STATES] {
+        let each = self.each();
+        core::array::from_fn(|i| each[i].surface(positions[i], before[i]))
+    }
+
+    /// The controls that the aircraft feels: the lever as commanded, the surfaces where they are.
     #[inline]
     pub fn controls(&self, commands: &Controls, positions: [f64; ACTUATOR_STATES]) -> Controls {
         Controls { throttle: commands.throttle, elevator: positions[0], aileron: positions[1], rudder: positions[2] }
@@ -92,7 +138,7 @@ mod tests {
     use super::*;
 
     const DEGREE: f64 = core::f64::consts::PI / 180.0;
-    const ELEVATOR: Actuator = Actuator { limit: 25.0 * DEGREE, rate_limit: 60.0 * DEGREE, lag: 0.0495 };
+    const ELEVATOR: Actuator = Actuator::new(25.0 * DEGREE, 60.0 * DEGREE, 0.0495);
 
     /// A step flown with small Euler steps; the time constant is long against them.
     fn follow(command: f64, seconds: f64) -> (f64, f64) {
@@ -119,6 +165,21 @@ mod tests {
         assert!((position - 0.2 * ELEVATOR.rate_limit).abs() < 1e-4, "{position}");
         let (position, _) = follow(1.0, 2.0);
         assert!(position <= ELEVATOR.limit && ELEVATOR.limit - position < 1e-6, "{position}");
+    }
+
+    /// Play of 2 deg: a surface in the middle waits for 1 deg, follows 1 deg behind, and waits for 2 deg when it goes back.
+    #[test]
+    fn play_holds_the_surface_until_it_is_pushed() {
+        let linkage = Actuator { play: 2.0 * DEGREE, ..ELEVATOR };
+        let mut at = 0.0;
+        let expected = [(0.5, 0.0), (1.0, 0.0), (3.0, 2.0), (2.0, 2.0), (1.0, 2.0), (0.0, 1.0), (-4.0, -3.0)];
+        for (position, surface) in expected.map(|(a, b)| (a * DEGREE, b * DEGREE)) {
+            at = linkage.surface(position, at);
+            assert!((at - surface).abs() < 1e-15, "{position} {at} {surface}");
+        }
+        for play in [0.0, -1.0, f64::NAN] {
+            assert_eq!(Actuator { play, ..ELEVATOR }.surface(0.3, 0.1), 0.3);
+        }
     }
 
     /// Limits are public: those that are in the wrong order, or no numbers, must not stop a flight computer.

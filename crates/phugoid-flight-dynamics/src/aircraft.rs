@@ -113,6 +113,16 @@ pub struct Coefficients<T = f64> {
 }
 
 impl<T: Scalar> Coefficients<T> {
+    /// The moments about a centre of gravity that is further aft by `shift` mean chords: the forces act ahead of it.
+    #[must_use]
+    pub fn about(&self, shift: f64, geometry: &Geometry) -> Self {
+        Self {
+            cm: self.cm - self.cz * shift,
+            cn: self.cn + self.cy * (shift * geometry.mean_chord / geometry.span),
+            ..*self
+        }
+    }
+
     /// These with a slope times the variable that it is by.
     pub(crate) fn with(&self, slope: &Self, variable: T) -> Self {
         Self {
@@ -133,6 +143,15 @@ pub struct Propulsion<T = f64> {
     pub force: [T; 3],
     /// Moment about body x, y and z, N m.
     pub moment: [T; 3],
+}
+
+impl<T: Scalar> Propulsion<T> {
+    /// The moment about a centre of gravity that is further aft by a length, m: the force acts ahead of it.
+    #[must_use]
+    pub fn about(&self, aft: f64) -> Self {
+        let ([_, y, z], [roll, pitch, yaw]) = (self.force, self.moment);
+        Self { moment: [roll, pitch - z * aft, yaw + y * aft], ..*self }
+    }
 }
 
 impl Propulsion {
@@ -158,20 +177,26 @@ pub struct Geometry {
     pub cg_reference: f64,
 }
 
-/// The range of flight that an aircraft's data are good for, rad, `[lowest, highest]` each. Beyond it the coefficient functions
-/// still give numbers, but those are extrapolated and describe no aircraft.
+/// The range of flight that an aircraft's data are good for, `[lowest, highest]` each. Beyond it the coefficient functions and the
+/// engine still give numbers, but those are extrapolated and describe no aircraft.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DataRange {
-    /// Lowest and highest angle of attack; a trim outside is refused.
+    /// Lowest and highest angle of attack, rad; a trim outside is refused.
     pub alpha: [f64; 2],
-    /// Lowest and highest sideslip angle.
+    /// Lowest and highest sideslip angle, rad.
     pub beta: [f64; 2],
-    /// Lowest and highest elevator deflection, positive trailing edge down.
+    /// Lowest and highest elevator deflection, rad, positive trailing edge down.
     pub elevator: [f64; 2],
-    /// Lowest and highest aileron deflection.
+    /// Lowest and highest aileron deflection, rad.
     pub aileron: [f64; 2],
-    /// Lowest and highest rudder deflection.
+    /// Lowest and highest rudder deflection, rad.
     pub rudder: [f64; 2],
+    /// Lowest and highest true airspeed, m/s; a trim outside is refused.
+    pub speed: [f64; 2],
+    /// Lowest and highest Mach number; a trim outside is refused.
+    pub mach: [f64; 2],
+    /// Lowest and highest altitude above sea level, m; a trim outside is refused.
+    pub altitude: [f64; 2],
 }
 
 impl DataRange {
@@ -184,6 +209,9 @@ impl DataRange {
             elevator: both(self.elevator, other.elevator),
             aileron: both(self.aileron, other.aileron),
             rudder: both(self.rudder, other.rudder),
+            speed: both(self.speed, other.speed),
+            mach: both(self.mach, other.mach),
+            altitude: both(self.altitude, other.altitude),
         }
     }
 
@@ -192,7 +220,16 @@ impl DataRange {
     pub const UNSTATED: Self = {
         const DEGREE: f64 = core::f64::consts::PI / 180.0;
         const ANY: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
-        Self { alpha: [-20.0 * DEGREE, 50.0 * DEGREE], beta: ANY, elevator: ANY, aileron: ANY, rudder: ANY }
+        Self {
+            alpha: [-20.0 * DEGREE, 50.0 * DEGREE],
+            beta: ANY,
+            elevator: ANY,
+            aileron: ANY,
+            rudder: ANY,
+            speed: ANY,
+            mach: ANY,
+            altitude: ANY,
+        }
     };
 }
 
@@ -230,6 +267,30 @@ pub trait Aircraft {
 
     /// Propulsion from the engine state (percent), altitude (m) and Mach number.
     fn propulsion<T: Scalar>(&self, power: T, altitude: T, mach: T) -> Propulsion<T>;
+
+    /// What the slipstream of the propulsion adds to the [`coefficients`](Self::coefficients); `None`, as by default, for an
+    /// aircraft that has none or whose data do not know it. `propulsion` is what the aircraft has at this moment.
+    fn slipstream_coefficients<T: Scalar>(
+        &self,
+        _propulsion: &Propulsion<T>,
+        _air: &AirData<T>,
+        _rates: [T; 3],
+        _controls: &Controls<T>,
+    ) -> Option<Coefficients<T>> {
+        None
+    }
+
+    /// Fuel that is burnt, kg/s, at an engine state (percent), altitude (m) and Mach number; zero, as by default, for an aircraft
+    /// whose mass stays as it is.
+    fn fuel_flow(&self, _power: f64, _altitude: f64, _mach: f64) -> f64 {
+        0.0
+    }
+
+    /// The body of the aircraft when `fuel` kg are burnt; `None`, as by default, where the mass stays as it is. A trim and a linear
+    /// model are those of the beginning, when nothing is burnt; a simulation asks at each of its samples.
+    fn after_burning(&self, _fuel: f64) -> Option<crate::fuel::Burnt> {
+        None
+    }
 
     /// Rate of the engine state, percent per second, from the throttle lever (0 to 1) and the engine state.
     fn power_rate<T: Scalar>(&self, throttle: T, power: T) -> T;

@@ -129,6 +129,27 @@ macro_rules! aircraft_by_variant {
             }
 
             #[inline]
+            fn slipstream_coefficients<T: $crate::scalar::Scalar>(
+                &self,
+                propulsion: &$crate::aircraft::Propulsion<T>,
+                air: &$crate::aircraft::AirData<T>,
+                rates: [T; 3],
+                controls: &$crate::aircraft::Controls<T>,
+            ) -> Option<$crate::aircraft::Coefficients<T>> {
+                match self { $($variant => $aircraft.slipstream_coefficients(propulsion, air, rates, controls)),+ }
+            }
+
+            #[inline]
+            fn fuel_flow(&self, power: f64, altitude: f64, mach: f64) -> f64 {
+                match self { $($variant => $aircraft.fuel_flow(power, altitude, mach)),+ }
+            }
+
+            #[inline]
+            fn after_burning(&self, fuel: f64) -> Option<$crate::fuel::Burnt> {
+                match self { $($variant => $aircraft.after_burning(fuel)),+ }
+            }
+
+            #[inline]
             fn power_rate<T: $crate::scalar::Scalar>(&self, throttle: T, power: T) -> T {
                 match self { $($variant => $aircraft.power_rate(throttle, power)),+ }
             }

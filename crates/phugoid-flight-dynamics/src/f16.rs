@@ -177,6 +177,7 @@ impl Aircraft for F16 {
             elevator: within(25.0),
             aileron: within(21.5),
             rudder: within(30.0),
+            ..DataRange::UNSTATED
         }
     }
 }

@@ -16,6 +16,7 @@ pub mod built_in;
 #[cfg(feature = "std")]
 pub mod dryden;
 pub mod f16;
+pub mod fuel;
 pub mod globe;
 pub mod gust;
 pub mod increments;

@@ -121,6 +121,9 @@ pub fn motion<T: Scalar, A: Aircraft>(
     }
 
     let propulsion = aircraft.propulsion(power, altitude, air.mach);
+    if let Some(blown) = aircraft.slipstream_coefficients(&propulsion, &air, air_rates, controls) {
+        coefficients = coefficients.with(&blown, T::from(1.0));
+    }
     let force_scale = air.dynamic_pressure * geometry.wing_area;
     let acceleration_scale = force_scale * mass.inverse_mass();
     let specific_force_of = |coefficients: &Coefficients<T>| {

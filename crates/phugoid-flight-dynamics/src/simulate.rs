@@ -1,6 +1,8 @@
 //! Flights of an aircraft from commands, gusts and a schedule of increments: histories in plain data.
 
 mod changed;
+mod delay;
+mod lighter;
 mod stepper;
 
 use crate::aircraft::{AirData, Aircraft, Coefficients, Controls, Propulsion, State};
@@ -90,6 +92,10 @@ pub struct TrajectorySample {
     pub propulsive_force: [f64; 3],
     /// Aerodynamic coefficients with the increments in force, body axes, about the centre of gravity.
     pub coefficients: Coefficients,
+    /// Mass of the aircraft, kg.
+    pub mass: f64,
+    /// Fuel that is left, kg; none for an aircraft whose mass stays as it is.
+    pub fuel: Option<f64>,
 }
 
 impl TrajectorySample {

@@ -67,6 +67,7 @@ const EQUATIONS: [&str; UNKNOWNS] = [
 /// ```
 pub fn trim<A: Aircraft>(aircraft: &A, condition: &TrimCondition) -> Result<Trim, TrimError> {
     check(condition)?;
+    within_tables(aircraft, condition)?;
     let problem = Problem::new(aircraft, condition);
     let mut mildest: Option<(f64, TrimError)> = None;
     let mut closest: Option<Solution> = None;
@@ -102,5 +103,22 @@ pub fn trim<A: Aircraft>(aircraft: &A, condition: &TrimCondition) -> Result<Trim
                 alpha_rad: closest.map_or(f64::NAN, |s| s.unknowns[0]),
             })
         }
+    }
+}
+
+/// Refuses speeds and altitudes for which the aircraft has no data.
+fn within_tables<A: Aircraft>(aircraft: &A, condition: &TrimCondition) -> Result<(), TrimError> {
+    let range = aircraft.data_range();
+    let mach = condition.speed / aircraft.atmosphere().at(condition.altitude).speed_of_sound;
+    let checked = [
+        ("true airspeed in m/s", condition.speed, range.speed),
+        ("Mach number", mach, range.mach),
+        ("altitude in m", condition.altitude, range.altitude),
+    ];
+    match checked.into_iter().find(|(_, value, [lowest, highest])| !(*lowest..=*highest).contains(value)) {
+        Some((quantity, value, [lowest, highest])) => {
+            Err(TrimError::OutsideTables { quantity, value, lowest, highest })
+        }
+        None => Ok(()),
     }
 }

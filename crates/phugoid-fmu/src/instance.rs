@@ -413,24 +413,27 @@ impl Instance {
         let Controls { elevator, aileron, rudder, .. } = self.point.controls;
         let limits = self.resources.aircraft.actuators();
         let within = |range: [f64; 2], limit: f64| [range[0].max(-limit), range[1].min(limit)];
-        let checked = [
+        let place = [
+            ("true_airspeed", " m/s", air.speed, range.speed),
+            ("mach", "", air.mach, range.mach),
+            ("altitude", " m", self.point.state.altitude, range.altitude),
+        ];
+        let angles = [
             ("alpha", air.alpha, range.alpha),
             ("beta", air.beta, range.beta),
             ("elevator", elevator, within(range.elevator, limits.elevator.limit)),
             ("aileron", aileron, within(range.aileron, limits.aileron.limit)),
             ("rudder", rudder, within(range.rudder, limits.rudder.limit)),
         ];
+        let angles = angles.map(|(name, value, range)| (name, " deg", value.to_degrees(), range.map(f64::to_degrees)));
         let mut warnings = Vec::new();
-        for (name, value, [low, high]) in checked {
+        for (name, unit, value, [low, high]) in angles.into_iter().chain(place) {
             if !(low..=high).contains(&value) && !self.warned.contains(&name) {
                 self.warned.push(name);
                 warnings.push(format!(
-                    "at {} s `{name}` is {:.3} deg, outside {:.3} to {:.3} deg, for which the aircraft has data: what follows is \
-                     extrapolated and describes no aircraft",
+                    "at {} s `{name}` is {value:.3}{unit}, outside {low:.3} to {high:.3}{unit}, for which the aircraft has data: \
+                     what follows is extrapolated and describes no aircraft",
                     self.point.time,
-                    value.to_degrees(),
-                    low.to_degrees(),
-                    high.to_degrees()
                 ));
             }
         }

@@ -1,19 +1,27 @@
 //! A model file as an aircraft: what trims, gives linear models and flies in scenarios.
 
+mod engine;
+
+use phugoid_aircraft::engine::Schedule;
 use phugoid_flight_dynamics::actuator::Actuators;
 use phugoid_flight_dynamics::aircraft::{AirData, Aircraft, Coefficients, Controls, DataRange, Geometry, Propulsion};
 use phugoid_flight_dynamics::atmosphere::Atmosphere;
+use phugoid_flight_dynamics::fuel::Burnt;
 use phugoid_flight_dynamics::increments::lift_drag_to_body;
 use phugoid_flight_dynamics::mass::MassProperties;
 use phugoid_flight_dynamics::scalar::Scalar;
 
 use crate::core::term::{Coefficient, EXTRA_INPUTS, Term, Variable};
 use crate::export::Identified;
-use crate::model_file::{AirDensity, KnownAircraft, ModelFile, ReferenceValue, Source};
+use crate::model_file::{AirDensity, FuelData, FuelFlow, KnownAircraft, ModelFile, ReferenceValue, Source};
 use crate::models::longitudinal::Database;
 use crate::models::rigid::{Aerodynamics, Air, AircraftConstants, MassInput};
 use crate::motion::ReferencePoint;
 use crate::preparation::prepare::{database, reference_trim};
+use engine::{At, Engine};
+
+/// A term of a coefficient with its value.
+type Valued = (Coefficient, Term, f64);
 
 /// Why a model file makes no aircraft that can be flown.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -52,6 +60,12 @@ pub enum ModelAircraftError {
     /// Mass and moments of inertia that no body has.
     #[error("mass and moments of inertia of the model `{0}` are those of no body: check their values and units")]
     Mass(String),
+    /// Without its fuel the aircraft is no body: the fuel has more inertia than the aircraft with it.
+    #[error(
+        "without the fuel of [simulation.fuel] the model `{0}` has a moment of inertia that no body has: the fuel, where `cg` puts it, \
+         has more than the aircraft with it"
+    )]
+    Fuel(String),
     /// The database of the model cannot be loaded, or has no trim to be the reference point.
     #[error("{0}")]
     Database(String),
@@ -64,9 +78,10 @@ pub enum ModelAircraftError {
 /// longitudinal axes alone has no side force and no rolling or yawing moment: it flies straight ahead, and nothing turns
 /// it.
 ///
-/// Thrust is proportional to the throttle and acts along the thrust line of the file; its largest value, the lag of the
-/// engine and the surfaces' limits are those of the table `[simulation]`. On the database of the F-16 the engine is that of
-/// the F-16. The atmosphere is the one that the file names, the 1976 standard atmosphere for a density of its own.
+/// Thrust acts along the thrust line of the file. Engine or propeller, fuel and the surfaces' limits are those of the table
+/// `[simulation]`; without an engine there, that of the database flies. A propeller is met along its axis: it has no force across
+/// it. Mass, centre of gravity and inertia are those of the beginning in trims and linear models; in a simulation fuel is burnt.
+/// The atmosphere is the one that the file names, the 1976 standard atmosphere for a density of its own.
 /// What the file did not say and was assumed is said by [`notes`](Self::notes).
 ///
 /// ```
@@ -112,13 +127,14 @@ pub struct ModelAircraft {
     centre_of_gravity: Option<f64>,
     aerodynamics: Aerodynamics,
     /// The terms of the rate of the angle of attack, with their values.
-    rate_terms: Vec<(Coefficient, Term, f64)>,
+    rate_terms: Vec<Valued>,
     geometry: Geometry,
     mass: MassProperties,
     gravity: f64,
     atmosphere: Atmosphere,
-    /// Along the thrust line, N at full throttle; none: the engine of the database.
-    largest_thrust: Option<f64>,
+    /// None: the engine of the database.
+    engine: Option<Engine>,
+    fuel: Option<FuelData>,
     /// Direction of the thrust along body x and z, and its moment per newton, m.
     thrust_line: [f64; 3],
     engine_lag_s: f64,
@@ -205,8 +221,9 @@ impl ModelAircraft {
             cg,
             cg_reference: cg,
         };
-        let largest_thrust = match (model.simulation.largest_thrust, &database) {
-            (Some(largest), _) => Some(largest),
+        let given = model.simulation.engine.as_ref();
+        let engine = match (given, &database) {
+            (Some(data), _) => Some(Engine::new(data, identified, model.axes.has_lateral(), &mut notes)),
             (None, Database::F16(_) | Database::Aircraft(_)) => None,
             (None, Database::None) => {
                 let half = 0.5 * mass * data.gravity;
@@ -214,7 +231,7 @@ impl ModelAircraft {
                     "The thrust at full throttle is taken to be half the weight, {half:.0} N (largest_thrust in \
                      [simulation])."
                 ));
-                Some(half)
+                Some(Engine::Thrust(Schedule::constant(half)))
             }
         };
         let atmosphere = match &data.air_density {
@@ -240,6 +257,19 @@ impl ModelAircraft {
                 (Actuators { elevator, aileron, rudder }, range)
             }
         };
+        let data_range = given.map_or(data_range, |data| engine::within_tables(data, data_range));
+        let fuel = model.simulation.fuel;
+        if let Some(FuelData { fuel, .. }) = &fuel
+            && fuel.burnt(fuel.mass, &mass_properties, data.mean_chord).is_none()
+        {
+            return Err(ModelAircraftError::Fuel(model.name.clone()));
+        }
+        if fuel.is_some() {
+            notes.push(
+                "Fuel is burnt in simulated flights; trims, linear models and FMUs have the mass of the beginning."
+                    .into(),
+            );
+        }
         Ok(Self {
             name: model.name.clone(),
             centre_of_gravity: data.cg,
@@ -249,13 +279,38 @@ impl ModelAircraft {
             mass: mass_properties,
             gravity: data.gravity,
             atmosphere,
-            largest_thrust,
+            engine,
+            fuel,
             thrust_line: [cos, -sin, data.thrust_arm],
             engine_lag_s: model.simulation.engine_lag_s,
             actuators,
             data_range,
             notes,
         })
+    }
+
+    /// The sum of terms with values, in body axes; `rate` is the rate of the angle of attack, made dimensionless.
+    fn sum<T: Scalar>(
+        &self,
+        terms: &[Valued],
+        air: &AirData<T>,
+        rates: [T; 3],
+        controls: &Controls<T>,
+        rate: T,
+    ) -> Coefficients<T> {
+        let at = in_air(air, rates);
+        let deflections = [controls.elevator, controls.aileron, controls.rudder];
+        let mut variables = self.aerodynamics.variables(&at, &deflections, &[0.0; EXTRA_INPUTS]);
+        variables[Variable::AlphaRate.index()] = rate;
+        let mut sums = [T::from(0.0); 6];
+        for (coefficient, term, value) in terms {
+            let sum = &mut sums[*coefficient as usize];
+            *sum = *sum + term.value(&variables) * *value;
+        }
+        let (sin, cos) = air.alpha.sin_cos();
+        let [lift, drag, cm, cy, cl, cn] = sums;
+        let [cx, cz] = lift_drag_to_body(lift, drag, sin, cos);
+        Coefficients { cx, cy, cz, cl, cm, cn }
     }
 
     /// The name that the model file gives the aircraft.
@@ -356,20 +411,9 @@ impl Aircraft for ModelAircraft {
         if self.rate_terms.is_empty() {
             return known;
         }
-        let at = in_air(air, rates);
-        let deflections = [controls.elevator, controls.aileron, controls.rudder];
-        let mut variables = self.aerodynamics.variables(&at, &deflections, &[0.0; EXTRA_INPUTS]);
         // Its terms are of first order: their value at 1 rad/s is their slope.
-        variables[Variable::AlphaRate.index()] = (air.speed * 2.0).recip() * self.geometry.mean_chord;
-        let mut sums = [T::from(0.0); 6];
-        for (coefficient, term, value) in &self.rate_terms {
-            let sum = &mut sums[*coefficient as usize];
-            *sum = *sum + term.value(&variables) * *value;
-        }
-        let (sin, cos) = air.alpha.sin_cos();
-        let [lift, drag, cm, cy, cl, cn] = sums;
-        let [cx, cz] = lift_drag_to_body(lift, drag, sin, cos);
-        let terms = Coefficients { cx, cy, cz, cl, cm, cn };
+        let rate = (air.speed * 2.0).recip() * self.geometry.mean_chord;
+        let terms = self.sum(&self.rate_terms, air, rates, controls, rate);
         Some(match known {
             None => terms,
             Some(known) => Coefficients {
@@ -385,8 +429,10 @@ impl Aircraft for ModelAircraft {
 
     fn propulsion<T: Scalar>(&self, power: T, altitude: T, mach: T) -> Propulsion<T> {
         let zero = T::from(0.0);
-        let thrust = match (self.largest_thrust, &self.aerodynamics.database) {
-            (Some(largest), _) => power * (0.01 * largest),
+        let thrust = match (&self.engine, &self.aerodynamics.database) {
+            (Some(engine), _) => {
+                return engine.propulsion(At { power, altitude, mach }, self.atmosphere, self.thrust_line);
+            }
             (None, Database::F16(aircraft)) => aircraft.propulsion(power, altitude, mach).force[0],
             // Its engines have places and directions of their own.
             (None, Database::Aircraft(aircraft)) => return aircraft.propulsion(power, altitude, mach),
@@ -396,19 +442,47 @@ impl Aircraft for ModelAircraft {
         Propulsion { force: [thrust * along_x, zero, thrust * along_z], moment: [zero, thrust * arm, zero] }
     }
 
+    fn slipstream_coefficients<T: Scalar>(
+        &self,
+        propulsion: &Propulsion<T>,
+        air: &AirData<T>,
+        rates: [T; 3],
+        controls: &Controls<T>,
+    ) -> Option<Coefficients<T>> {
+        let (rise, terms) = self.engine.as_ref()?.slipstream(propulsion, air, self.thrust_line)?;
+        let Coefficients { cx, cy, cz, cl, cm, cn } = self.sum(terms, air, rates, controls, T::from(0.0));
+        Some(Coefficients { cx: cx * rise, cy: cy * rise, cz: cz * rise, cl: cl * rise, cm: cm * rise, cn: cn * rise })
+    }
+
+    fn fuel_flow(&self, power: f64, altitude: f64, mach: f64) -> f64 {
+        let Some(FuelData { flow, least_flow, .. }) = &self.fuel else { return 0.0 };
+        let of_engine = match flow {
+            FuelFlow::ByThrust(flow) => flow * self.propulsion(power, altitude, mach).thrust(),
+            FuelFlow::ByPower(flow) => {
+                let at = At { power, altitude, mach };
+                flow * self.engine.as_ref().and_then(|engine| engine.power(at, self.atmosphere)).unwrap_or(0.0)
+            }
+        };
+        of_engine.max(*least_flow)
+    }
+
+    fn after_burning(&self, burnt: f64) -> Option<Burnt> {
+        self.fuel?.fuel.burnt(burnt, &self.mass, self.geometry.mean_chord)
+    }
+
     fn power_rate<T: Scalar>(&self, throttle: T, power: T) -> T {
-        match &self.aerodynamics.database {
-            Database::F16(aircraft) => aircraft.power_rate(throttle, power),
-            Database::Aircraft(aircraft) => aircraft.power_rate(throttle, power),
-            Database::None => (throttle * 100.0 - power) / self.engine_lag_s,
+        match (&self.engine, &self.aerodynamics.database) {
+            (None, Database::F16(aircraft)) => aircraft.power_rate(throttle, power),
+            (None, Database::Aircraft(aircraft)) => aircraft.power_rate(throttle, power),
+            (Some(_), _) | (None, Database::None) => (throttle * 100.0 - power) / self.engine_lag_s,
         }
     }
 
     fn steady_power<T: Scalar>(&self, throttle: T) -> T {
-        match &self.aerodynamics.database {
-            Database::F16(aircraft) => aircraft.steady_power(throttle),
-            Database::Aircraft(aircraft) => aircraft.steady_power(throttle),
-            Database::None => throttle * 100.0,
+        match (&self.engine, &self.aerodynamics.database) {
+            (None, Database::F16(aircraft)) => aircraft.steady_power(throttle),
+            (None, Database::Aircraft(aircraft)) => aircraft.steady_power(throttle),
+            (Some(_), _) | (None, Database::None) => throttle * 100.0,
         }
     }
 

@@ -293,6 +293,8 @@ fn failure(surface: Surface, kind: FailureKind) -> Failure {
         kind,
         position: None,
         rate_limit: None,
+        delay: None,
+        play: None,
         amplitude: None,
         frequency: None,
     }

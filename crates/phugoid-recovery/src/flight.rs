@@ -260,7 +260,8 @@ impl<'a> Loop<'a> {
         let learns = learning.is_some();
         let followers = (learns && scenario.aircraft.actuators).then(|| {
             each.map(|actuator| {
-                let (lag, rate) = (scale.time(actuator.lag), scale.rate(actuator.rate_limit));
+                let lag = scale.time(actuator.lag + actuator.delay);
+                let rate = scale.rate(actuator.rate_limit);
                 Follower::new(lag, rate, 0.7_f64.to_radians())
             })
         });

@@ -50,9 +50,8 @@ pub(crate) fn robust_gains<A: Aircraft>(
             }
         }
     }
-    // High gains look robust to a model whose surfaces move at once.
-    let actuators = aircraft.actuators();
-    let lags = [actuators.elevator.lag, actuators.aileron.lag, actuators.rudder.lag].map(|lag| scale.time(lag));
+    // High gains look robust to a model whose surfaces move at once. A delay counts as so much more lag.
+    let lags = aircraft.actuators().each().map(|actuator| scale.time(actuator.lag + actuator.delay));
     candidates.retain(|gains| stays_damped(&healthy, gains, lags));
     // Only what gains of its own would hold can be asked of fixed ones.
     let feasible: Vec<LocalModel> = models

@@ -243,9 +243,7 @@ impl<'a, A: Aircraft> Course<'a, A> {
                 Surface::Aileron => &mut actuators.aileron,
                 Surface::Rudder => &mut actuators.rudder,
             };
-            if let (FailureKind::RateLimit, Some(limit)) = (failure.kind, failure.rate_limit) {
-                of.rate_limit = limit.si().min(of.rate_limit);
-            }
+            *of = failure.actuator(*of);
         }
         actuators
     }

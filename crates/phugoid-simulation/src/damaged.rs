@@ -4,6 +4,7 @@
 use phugoid_flight_dynamics::actuator::Actuators;
 use phugoid_flight_dynamics::aircraft::{AirData, Aircraft, Coefficients, Controls, DataRange, Geometry, Propulsion};
 use phugoid_flight_dynamics::atmosphere::Atmosphere;
+use phugoid_flight_dynamics::fuel::Burnt;
 use phugoid_flight_dynamics::increments::lift_drag_to_body;
 use phugoid_flight_dynamics::mass::MassProperties;
 use phugoid_flight_dynamics::scalar::Scalar;
@@ -158,10 +159,9 @@ impl<A: Aircraft> Aircraft for Damaged<'_, A> {
         c.cz = c.cz + cz;
         c.cy = c.cy + side;
         c.cl = c.cl + roll;
-        // Forces act ahead of a centre of gravity that has moved aft.
-        c.cm = c.cm + pitch - c.cz * effects.cg_shift;
-        c.cn = c.cn + yaw + c.cy * (effects.cg_shift * geometry.mean_chord / geometry.span);
-        c
+        c.cm = c.cm + pitch;
+        c.cn = c.cn + yaw;
+        c.about(effects.cg_shift, geometry)
     }
 
     fn alpha_rate_coefficients<T: Scalar>(
@@ -170,11 +170,8 @@ impl<A: Aircraft> Aircraft for Damaged<'_, A> {
         rates: [T; 3],
         controls: &Controls<T>,
     ) -> Option<Coefficients<T>> {
-        let mut c = self.aircraft.alpha_rate_coefficients(air, rates, &self.felt(controls))?;
-        let geometry = self.aircraft.geometry();
-        c.cm = c.cm - c.cz * self.effects.cg_shift;
-        c.cn = c.cn + c.cy * (self.effects.cg_shift * geometry.mean_chord / geometry.span);
-        Some(c)
+        let c = self.aircraft.alpha_rate_coefficients(air, rates, &self.felt(controls))?;
+        Some(c.about(self.effects.cg_shift, self.aircraft.geometry()))
     }
 
     fn propulsion<T: Scalar>(&self, power: T, altitude: T, mach: T) -> Propulsion<T> {
@@ -182,6 +179,27 @@ impl<A: Aircraft> Aircraft for Damaged<'_, A> {
         let force = whole.force.map(|force| force * self.effects.thrust);
         let [roll, pitch, yaw] = whole.moment.map(|moment| moment * self.effects.thrust);
         Propulsion { force, moment: [roll, pitch, yaw - force[0] * self.effects.thrust_arm] }
+    }
+
+    fn slipstream_coefficients<T: Scalar>(
+        &self,
+        propulsion: &Propulsion<T>,
+        air: &AirData<T>,
+        rates: [T; 3],
+        controls: &Controls<T>,
+    ) -> Option<Coefficients<T>> {
+        let c = self.aircraft.slipstream_coefficients(propulsion, air, rates, &self.felt(controls))?;
+        Some(c.about(self.effects.cg_shift, self.aircraft.geometry()))
+    }
+
+    fn fuel_flow(&self, power: f64, altitude: f64, mach: f64) -> f64 {
+        self.aircraft.fuel_flow(power, altitude, mach) * self.effects.thrust
+    }
+
+    fn after_burning(&self, fuel: f64) -> Option<Burnt> {
+        let burnt = self.aircraft.after_burning(fuel)?;
+        let mass = burnt.mass.changed(self.effects.mass, self.effects.inertia)?;
+        Some(Burnt { mass, ..burnt })
     }
 
     fn power_rate<T: Scalar>(&self, throttle: T, power: T) -> T {

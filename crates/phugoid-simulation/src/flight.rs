@@ -44,6 +44,8 @@ pub struct Flight {
     pub damage_increments: Vec<BTreeMap<String, f64>>,
     /// The range of flight that the aircraft's data cover.
     pub data_range: DataRange,
+    /// When the aircraft ran out of fuel, s: from then on its engines do not run.
+    pub out_of_fuel_s: Option<f64>,
 }
 
 /// Pitch attitude of a flight that is looked at, rad.
@@ -249,6 +251,7 @@ fn fly_changed<A: Aircraft>(
         Thrust::Engine => s.thrust(),
         Thrust::Constant => trim.thrust_n * scenario.effects_of(&effects, s.time).thrust,
     };
+    let out_of_fuel = trajectory.samples.iter().find(|sample| sample.fuel == Some(0.0));
     let truth = true_record(&scenario, &trajectory, thrust);
     let measured = sense(&truth, &scenario, scenario.seed)?;
     let whole = known.data_range();
@@ -270,6 +273,7 @@ fn fly_changed<A: Aircraft>(
         damage_increments: damage_increments.collect(),
         scenario,
         data_range,
+        out_of_fuel_s: out_of_fuel.map(|sample| sample.time),
     };
     flight.true_parameters = flight.true_parameters_at(f64::INFINITY);
     Ok(flight)
@@ -368,6 +372,10 @@ fn true_record(scenario: &Scenario, trajectory: &Trajectory, thrust: impl Fn(&Tr
         quantity: Quantity::Force,
         values: samples.iter().map(thrust).collect(),
     });
+    if samples.iter().any(|sample| sample.fuel.is_some()) {
+        let values = samples.iter().map(|sample| sample.mass).collect();
+        channels.push(Channel { name: "mass".to_owned(), quantity: Quantity::Mass, values });
+    }
     let quality = QualityReport {
         rows_read: samples.len(),
         rows_kept: samples.len(),

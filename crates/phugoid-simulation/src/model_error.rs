@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use phugoid_flight_dynamics::actuator::Actuators;
 use phugoid_flight_dynamics::aircraft::{AirData, Aircraft, Coefficients, Controls, DataRange, Geometry, Propulsion};
 use phugoid_flight_dynamics::atmosphere::Atmosphere;
+use phugoid_flight_dynamics::fuel::Burnt;
 use phugoid_flight_dynamics::increments::Increments;
 use phugoid_flight_dynamics::mass::MassProperties;
 use phugoid_flight_dynamics::scalar::Scalar;
@@ -90,6 +91,24 @@ impl<A: Aircraft> Aircraft for Misjudged<'_, A> {
 
     fn propulsion<T: Scalar>(&self, power: T, altitude: T, mach: T) -> Propulsion<T> {
         self.aircraft.propulsion(power, altitude, mach)
+    }
+
+    fn slipstream_coefficients<T: Scalar>(
+        &self,
+        propulsion: &Propulsion<T>,
+        air: &AirData<T>,
+        rates: [T; 3],
+        controls: &Controls<T>,
+    ) -> Option<Coefficients<T>> {
+        self.aircraft.slipstream_coefficients(propulsion, air, rates, controls)
+    }
+
+    fn fuel_flow(&self, power: f64, altitude: f64, mach: f64) -> f64 {
+        self.aircraft.fuel_flow(power, altitude, mach)
+    }
+
+    fn after_burning(&self, fuel: f64) -> Option<Burnt> {
+        self.aircraft.after_burning(fuel)
     }
 
     fn power_rate<T: Scalar>(&self, throttle: T, power: T) -> T {

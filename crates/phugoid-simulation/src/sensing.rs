@@ -25,7 +25,7 @@ pub fn frame_stream(seed: u64) -> Pcg64 {
 
 /// Channels that are there in symmetric flight too, where all others stay at zero.
 const LONGITUDINAL: &[&str] =
-    &["true_airspeed", "alpha", "theta", "q", "ax", "az", "altitude", "elevator", "throttle", "thrust"];
+    &["true_airspeed", "alpha", "theta", "q", "ax", "az", "altitude", "elevator", "throttle", "thrust", "mass"];
 
 /// Sensor of a channel; none for channels that no sensor measures.
 pub fn specification(sensors: &Sensors, channel: &str) -> Option<SensorSpecification> {
@@ -49,8 +49,8 @@ pub fn specification(sensors: &Sensors, channel: &str) -> Option<SensorSpecifica
         "elevator" => sensors.elevator.specification(),
         "aileron" => sensors.aileron.specification(),
         "rudder" => sensors.rudder.specification(),
-        // Known to the flight computer: its own command, and the engine's.
-        "throttle" | "thrust" => SensorSpecification::default(),
+        // Known to the flight computer: its own command, the engine's thrust, and what the tanks hold.
+        "throttle" | "thrust" | "mass" => SensorSpecification::default(),
         _ => return None,
     })
 }

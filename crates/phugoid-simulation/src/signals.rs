@@ -42,8 +42,10 @@ pub(crate) const SIGNALS: &[(&str, Quantity, Signal)] = &[
 /// assert!(signal("alpha").is_some() && signal("thrust").is_some() && signal("alfa").is_none());
 /// ```
 pub fn signal(name: &str) -> Option<Signal> {
-    if name == "thrust" {
-        return Some(TrajectorySample::thrust);
+    match name {
+        "thrust" => return Some(TrajectorySample::thrust),
+        "mass" => return Some(|sample| sample.mass),
+        _ => {}
     }
     SIGNALS.iter().find(|(known, ..)| *known == name).map(|(_, _, value)| *value)
 }

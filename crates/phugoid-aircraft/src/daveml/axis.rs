@@ -6,7 +6,7 @@ use phugoid_flight_dynamics::scalar::Scalar;
 
 /// How values between breakpoints are found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Interpolation {
+pub(crate) enum Interpolation {
     /// The value at the nearest breakpoint; half way that of the upper one.
     Discrete,
     /// The value at the breakpoint below.
@@ -19,15 +19,15 @@ pub(super) enum Interpolation {
 
 /// An independent variable of a function (`independentVarRef`, `independentVarPts`).
 #[derive(Clone, Debug)]
-pub(super) struct Independent {
+pub(crate) struct Independent {
     /// Position of the variable.
-    pub(super) variable: usize,
-    pub(super) interpolation: Interpolation,
+    pub(crate) variable: usize,
+    pub(crate) interpolation: Interpolation,
     /// What the value is limited to. A side on which the function may extrapolate has no limit.
-    pub(super) lower: f64,
-    pub(super) upper: f64,
+    pub(crate) lower: f64,
+    pub(crate) upper: f64,
     /// Whether values below the first breakpoint, and above the last, continue the table.
-    pub(super) extrapolates: [bool; 2],
+    pub(crate) extrapolates: [bool; 2],
 }
 
 impl Independent {
@@ -45,18 +45,18 @@ impl Independent {
 
 /// Where a value lies: the breakpoint before it and the fraction of the way to the next.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Place<T> {
-    pub(super) index: usize,
-    pub(super) fraction: T,
+pub(crate) struct Place<T> {
+    pub(crate) index: usize,
+    pub(crate) fraction: T,
 }
 
 /// Breakpoints of one dimension with all that can be computed beforehand.
 #[derive(Clone, Debug)]
-pub(super) struct Axis {
-    pub(super) points: Arc<[f64]>,
+pub(crate) struct Axis {
+    pub(crate) points: Arc<[f64]>,
     /// Distance to the next point in the table's values.
-    pub(super) stride: usize,
-    pub(super) independent: Independent,
+    pub(crate) stride: usize,
+    pub(crate) independent: Independent,
     /// For a spline: the matrix, row by row, that turns the values at the breakpoints into second derivatives there.
     pub(super) bending: Vec<f64>,
 }
@@ -66,7 +66,7 @@ impl Axis {
     /// one of this size.
     pub(super) const MAX_SPLINE: usize = 2000;
 
-    pub(super) fn new(points: Arc<[f64]>, stride: usize, independent: Independent) -> Self {
+    pub(crate) fn new(points: Arc<[f64]>, stride: usize, independent: Independent) -> Self {
         let bending = match independent.interpolation {
             Interpolation::CubicSpline if points.len() > 2 => bending(&points, independent.extrapolates),
             _ => Vec::new(),

@@ -8,10 +8,10 @@ use super::axis::{Axis, Interpolation, Place};
 
 /// A gridded table as one function uses it.
 #[derive(Clone, Debug)]
-pub(super) struct Gridded {
+pub(crate) struct Gridded {
     /// One for each independent variable; the last varies fastest in the values.
-    pub(super) axes: Vec<Axis>,
-    pub(super) values: Arc<[f64]>,
+    pub(crate) axes: Vec<Axis>,
+    pub(crate) values: Arc<[f64]>,
 }
 
 impl Gridded {
@@ -19,7 +19,7 @@ impl Gridded {
     pub(super) const MAX_DIMENSIONS: usize = 24;
 
     /// The value at the given variables; NaN where one of them is. `places` and `hints` have room for every axis.
-    pub(super) fn value<T: Scalar>(&self, variables: &[T], places: &mut [Place<T>], hints: &mut [u32]) -> T {
+    pub(crate) fn value<T: Scalar>(&self, variables: &[T], places: &mut [Place<T>], hints: &mut [u32]) -> T {
         for ((axis, place), hint) in self.axes.iter().zip(places.iter_mut()).zip(hints.iter_mut()) {
             let x = variables[axis.independent.variable];
             if x.real().is_nan() {

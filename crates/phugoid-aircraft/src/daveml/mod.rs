@@ -69,9 +69,11 @@ mod uncertainty;
 mod units;
 mod write;
 
+pub(crate) use axis::{Axis, Independent, Interpolation, Place};
 pub use checks::{CheckReport, DEFAULT_TOLERANCE, Kind, ShotReport, SignalReport};
 pub use document::{Bound, Distribution, Effect, Function, Header, Role, Signal, StaticShot, Uncertainty, Variable};
 pub use error::DavemlError;
+pub(crate) use gridded::Gridded;
 pub use identified::{
     CheckPoint, Coefficient, Constant, Correlation, Derived, Expression, IdentifiedModel, Input, Term,
 };

@@ -2,7 +2,6 @@
 
 mod aerodynamics;
 mod drive;
-mod expansion;
 mod notes;
 mod start;
 
@@ -19,10 +18,10 @@ use phugoid_flight_dynamics::scalar::Scalar;
 use super::error::FlownError;
 use super::options::{FlownOptions, check};
 use super::surface::{LAG_S, surfaces};
+use crate::expansion::expanded;
 use crate::jsbsim::Aircraft;
 use aerodynamics::{Aerodynamics, VARIABLES};
 use drive::{Drive, ENGINE_LAG_S};
-use expansion::expanded;
 use start::started;
 
 /// Steps of the central differences: those of speed, density and Mach number are shares of them. Values carry rounding of some

@@ -97,7 +97,7 @@ fn surface(
             notes.push(format!("The files do not say how far the {name} goes: {degrees:.0} deg are taken."));
         }
     }
-    let actuator = Actuator { limit, rate_limit: f64::INFINITY, lag: LAG_S };
+    let actuator = Actuator::new(limit, f64::INFINITY, LAG_S);
     Ok(Surface { targets, actuator })
 }
 

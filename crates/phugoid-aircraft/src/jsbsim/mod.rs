@@ -78,6 +78,7 @@ pub(crate) use aerodynamics::{AerodynamicWorkspace, CompiledAerodynamics};
 pub(crate) use compiled::{CompiledPropulsion, PropulsiveWorkspace};
 pub(crate) use files::text_of;
 pub(crate) use flight::altitude_of_density_m;
+pub(crate) use propulsion::{GivenPropeller, GivenTables};
 pub(crate) use scaling::{Follower, Scaling};
 
 use model::Model;

@@ -51,6 +51,12 @@ impl Table {
         }
     }
 
+    /// A table of numbers, row by row; without columns it has one variable. Keys have to increase, and there has to be a value for
+    /// each pair of them.
+    pub(super) fn of_numbers(rows: Vec<f64>, columns: Vec<f64>, values: Vec<f64>) -> Self {
+        Self { pages: vec![Page { rows, columns, values }], breaks: Vec::new() }
+    }
+
     /// Number of variables that the data of a table without `<independentVar>` are for.
     pub(super) fn dimensions(node: Node<'_, '_>) -> usize {
         let pages = children(node).filter(|part| tag(*part) == "tableData").count();

@@ -174,7 +174,7 @@ fn text(document: &Document, flight: &Flight) -> String {
 }
 
 /// Warnings for a flight that leaves the range of the aerodynamic tables, where they are extrapolated linearly and no
-/// longer describe the aircraft.
+/// longer describe the aircraft, or that of the engine, or that has no fuel left.
 fn beyond_the_tables(flight: &Flight) -> Vec<String> {
     let (truth, range) = (&flight.truth, &flight.data_range);
     let ranges = [
@@ -196,7 +196,22 @@ fn beyond_the_tables(flight: &Flight) -> Vec<String> {
             truth.time.get(k)?
         ))
     };
-    ranges.filter_map(first).collect()
+    let mut warnings: Vec<String> = ranges.filter_map(first).collect();
+    let of_engine =
+        [("true_airspeed", "m/s", range.speed), ("mach", "", range.mach), ("altitude", "m", range.altitude)];
+    warnings.extend(of_engine.into_iter().filter_map(|(name, unit, [low, high])| {
+        let values = &truth.channel(name)?.values;
+        let k = values.iter().position(|value| value.is_finite() && !(low..=high).contains(value))?;
+        Some(format!(
+            "{name} leaves the tables of the engine ({low} to {high}{}{unit}) at {:.2} s; what follows is as at their end",
+            if unit.is_empty() { "" } else { " " },
+            truth.time.get(k)?
+        ))
+    }));
+    if let Some(time) = flight.out_of_fuel_s {
+        warnings.push(format!("the fuel is burnt at {time:.2} s; from then on there is no thrust"));
+    }
+    warnings
 }
 
 /// Unit in which a quantity is shown, and the factor from SI: degrees for angles, SI units for everything else.
@@ -212,7 +227,7 @@ fn human(quantity: Quantity) -> (&'static str, f64) {
 
 /// Channels that are drawn in the figure of the inputs. Lateral channels have a separate figure; all others are the
 /// motion.
-const INPUTS: &[&str] = &["elevator", "aileron", "rudder", "throttle", "thrust"];
+const INPUTS: &[&str] = &["elevator", "aileron", "rudder", "throttle", "thrust", "mass"];
 const LATERAL: &[&str] = &["beta", "phi", "psi", "p", "r", "ay"];
 
 /// Figures of the measured and true histories, with one panel for each channel that changes.

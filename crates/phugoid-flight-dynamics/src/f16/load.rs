@@ -146,7 +146,7 @@ struct SurfaceActuator {
 
 impl SurfaceActuator {
     fn actuator(&self) -> Actuator {
-        Actuator { limit: self.limit_deg * DEGREE, rate_limit: self.rate_deg_s * DEGREE, lag: self.lag_s }
+        Actuator::new(self.limit_deg * DEGREE, self.rate_deg_s * DEGREE, self.lag_s)
     }
 }
 

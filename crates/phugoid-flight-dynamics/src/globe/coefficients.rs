@@ -59,10 +59,14 @@ impl<A: Aircraft, C: FnMut(f64) -> Controls> Loads<1> for FlownAircraft<'_, A, C
     fn loads(&mut self, condition: &Condition<1>) -> ForcesAndMoments {
         let controls = (self.controls)(condition.time);
         let geometry = self.aircraft.geometry();
-        let c = self.aircraft.coefficients(&condition.air, condition.rates_to_earth, &controls);
-        let force = condition.air.dynamic_pressure * geometry.wing_area;
+        let (air, rates) = (&condition.air, condition.rates_to_earth);
+        let mut c = self.aircraft.coefficients(air, rates, &controls);
+        let force = air.dynamic_pressure * geometry.wing_area;
         let [power] = condition.state.internal;
-        let engine = self.aircraft.propulsion(power, condition.place.altitude, condition.air.mach);
+        let engine = self.aircraft.propulsion(power, condition.place.altitude, air.mach);
+        if let Some(blown) = self.aircraft.slipstream_coefficients(&engine, air, rates, &controls) {
+            c = c.with(&blown, 1.0);
+        }
         ForcesAndMoments {
             aerodynamic_force: [c.cx * force, c.cy * force, c.cz * force],
             aerodynamic_moment: [

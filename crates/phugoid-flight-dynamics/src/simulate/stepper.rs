@@ -1,5 +1,7 @@
 //! The integration of a flight sample by sample: for who decides from one sample to the next what flies and how.
 
+use super::delay::Delay;
+use super::lighter::Lighter;
 use super::{CommandHold, SimulationError, TrajectorySample, grid_time};
 use crate::actuator::ACTUATOR_STATES;
 use crate::aircraft::{Aircraft, Controls, STATES, State};
@@ -49,6 +51,12 @@ pub struct Instant {
 #[derive(Clone, Debug)]
 pub struct Stepper {
     x: [f64; VECTOR],
+    /// Surface positions behind the play of their actuators, rad.
+    surfaces: [f64; ACTUATOR_STATES],
+    /// Commands that actuators with a delay still have to get.
+    delay: Delay,
+    /// Fuel that is burnt, kg.
+    burnt: f64,
     /// Number of samples flown.
     k: usize,
     sample_time: f64,
@@ -61,8 +69,10 @@ impl Stepper {
     /// A flight that begins in the state `initial` with the surfaces at `surfaces` (rad), with actuators. The sample time (s)
     /// is divided into `substeps` steps of the integration, at least one.
     pub fn new(initial: State, surfaces: Controls, sample_time: f64, substeps: usize, hold: CommandHold) -> Self {
-        let x = join(&initial, [surfaces.elevator, surfaces.aileron, surfaces.rudder]);
-        Self { x, k: 0, sample_time, substeps: substeps.max(1), hold, use_actuators: true }
+        let surfaces = [surfaces.elevator, surfaces.aileron, surfaces.rudder];
+        let (x, delay) = (join(&initial, surfaces), Delay::new(surfaces));
+        let substeps = substeps.max(1);
+        Self { x, surfaces, delay, burnt: 0.0, k: 0, sample_time, substeps, hold, use_actuators: true }
     }
 
     /// The same flight with or without the aircraft's actuators.
@@ -87,17 +97,25 @@ impl Stepper {
         self.x = join(state, surfaces);
     }
 
-    /// Surface positions behind the actuators, `[elevator, aileron, rudder]`, rad. Without actuators they are where they began.
+    /// Surface positions behind the actuators and their play, `[elevator, aileron, rudder]`, rad. Without actuators they are where
+    /// they began.
     pub fn positions(&self) -> [f64; ACTUATOR_STATES] {
-        split(&self.x).1
+        self.surfaces
     }
 
     /// Everything that the aircraft shows at this instant.
     pub fn sample<A: Aircraft>(&self, aircraft: &A, now: &Instant) -> TrajectorySample {
-        let (state, positions) = split(&self.x);
+        match aircraft.after_burning(self.burnt) {
+            None => self.sample_of(aircraft, now, None),
+            Some(burnt) => self.sample_of(&Lighter::new(aircraft, burnt), now, Some(burnt.left)),
+        }
+    }
+
+    fn sample_of<A: Aircraft>(&self, aircraft: &A, now: &Instant, fuel: Option<f64>) -> TrajectorySample {
+        let (state, _) = split(&self.x);
         let disturbance = Disturbance { gust: now.air.velocity, gust_rates: now.air.rates, increments: now.increments };
         let actuators = self.use_actuators.then(|| aircraft.actuators());
-        let surfaces = actuators.map_or(now.commands, |a| a.controls(&now.commands, positions));
+        let surfaces = actuators.map_or(now.commands, |a| a.controls(&now.commands, self.surfaces));
         let motion = motion(aircraft, &state, &surfaces, &disturbance);
         TrajectorySample {
             time: self.time(),
@@ -109,6 +127,8 @@ impl Stepper {
             angular_acceleration: [motion.rates.p, motion.rates.q, motion.rates.r],
             propulsive_force: aircraft.propulsion(state.power, state.altitude, motion.air.mach).force,
             coefficients: motion.coefficients,
+            mass: aircraft.mass_properties().mass(),
+            fuel,
         }
     }
 
@@ -121,11 +141,38 @@ impl Stepper {
     }
 
     /// Flies one sample. `command` holds from its beginning; where commands are held over a step, `commands` is asked again at
-    /// the beginning of each further one. The air is asked at every stage of the integration, the increments at every step.
+    /// the beginning of each further one. The air is asked at every stage of the integration, the increments at every step. The mass
+    /// over a sample is that of its middle.
     ///
     /// # Errors
     /// [`SimulationError::NotFinite`] when the motion diverges; the flight is then over.
     pub fn advance<A: Aircraft>(
+        &mut self,
+        aircraft: &A,
+        command: Controls,
+        commands: impl FnMut(f64, &State) -> Controls,
+        air: impl FnMut(f64) -> AirMotion,
+        increments: impl Fn(f64) -> Increments,
+    ) -> Result<(), SimulationError> {
+        let flow = |state: &State| {
+            let mach = state.speed / aircraft.atmosphere().at(state.altitude).speed_of_sound;
+            aircraft.fuel_flow(state.power, state.altitude, mach)
+        };
+        let Some(now) = aircraft.after_burning(self.burnt) else {
+            return self.advance_as(aircraft, command, commands, air, increments);
+        };
+        // Without fuel the engines do not run.
+        let runs = now.left > 0.0;
+        let before = if runs { flow(&self.state()) } else { 0.0 };
+        let middle = aircraft.after_burning(self.burnt + 0.5 * self.sample_time * before).unwrap_or(now);
+        self.advance_as(&Lighter::new(aircraft, middle), command, commands, air, increments)?;
+        if runs {
+            self.burnt += 0.5 * self.sample_time * (before + flow(&self.state()));
+        }
+        Ok(())
+    }
+
+    fn advance_as<A: Aircraft>(
         &mut self,
         aircraft: &A,
         mut command: Controls,
@@ -146,17 +193,25 @@ impl Stepper {
                 }
                 disturbance.increments = increments(t);
             }
+            let told = match actuators {
+                Some(a) => self.delay.delayed(a, command, t, step),
+                None => command,
+            };
+            let before = self.surfaces;
             let rates = |t: f64, x: &[f64; VECTOR]| {
                 let (state, positions) = split(x);
                 let air = air(t);
                 (disturbance.gust, disturbance.gust_rates) = (air.velocity, air.rates);
                 let (surfaces, surface_rates) = match actuators {
-                    Some(a) => (a.controls(&command, positions), a.rates(&command, positions)),
+                    Some(a) => (a.controls(&told, a.surfaces(positions, before)), a.rates(&told, positions)),
                     None => (command, [0.0; ACTUATOR_STATES]),
                 };
                 join(&motion(aircraft, &state, &surfaces, &disturbance).rates, surface_rates)
             };
             self.x = rk4_step(rates, t, &self.x, step);
+            if let Some(a) = actuators {
+                self.surfaces = a.surfaces(split(&self.x).1, before);
+            }
         }
         self.k += 1;
         match self.x.iter().zip(NAMES).find(|(v, _)| !v.is_finite()) {

@@ -67,6 +67,20 @@ pub enum TrimError {
         /// Highest angle of attack allowed, rad.
         highest_rad: f64,
     },
+    /// The condition lies where the aircraft has no data.
+    #[error(
+        "trim: {quantity} {value:.4}: the data of the aircraft go from {lowest} to {highest}; trim within, or extend its tables"
+    )]
+    OutsideTables {
+        /// The quantity and its unit.
+        quantity: &'static str,
+        /// Its value in the condition.
+        value: f64,
+        /// The lowest that there are data for.
+        lowest: f64,
+        /// The highest.
+        highest: f64,
+    },
     /// Too slow for the flight path: not even the best angle of attack carries the aircraft.
     #[error(
         "trim: not enough lift: the flight path needs a load factor of {needed:.2}, the most there is at this speed and \

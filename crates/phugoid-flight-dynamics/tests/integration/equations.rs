@@ -28,7 +28,7 @@ struct Trainer {
 
 impl Trainer {
     fn new(inertia: [[f64; 3]; 3], thrust_line: [f64; 3], thrust_arm: [f64; 3]) -> Self {
-        let surface = Actuator { limit: 0.4, rate_limit: 2.0, lag: 0.05 };
+        let surface = Actuator::new(0.4, 2.0, 0.05);
         Self {
             geometry: Geometry { wing_area: 16.2, span: 10.9, mean_chord: 1.49, cg: 0.26, cg_reference: 0.25 },
             mass: MassProperties::from_tensor(1043.0, inertia, 0.0).unwrap(),

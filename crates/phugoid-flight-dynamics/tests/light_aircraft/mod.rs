@@ -44,7 +44,7 @@ impl LightAircraft {
         const SLUG_FOOT_2: f64 = 1.355_817_95;
         let inertia = [1048.0, 3000.0, 3530.0].map(|j| j * SLUG_FOOT_2);
         let tensor = [[inertia[0], 0.0, 0.0], [0.0, inertia[1], 0.0], [0.0, 0.0, inertia[2]]];
-        let actuator = Actuator { limit: 0.4, rate_limit: 1.0, lag: 0.1 };
+        let actuator = Actuator::new(0.4, 1.0, 0.1);
         Self {
             geometry: Geometry {
                 wing_area: 184.0 * FOOT * FOOT,

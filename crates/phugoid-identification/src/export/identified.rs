@@ -57,7 +57,7 @@ pub struct Exported {
 
 /// A term with its value.
 pub(crate) struct Valued {
-    pub(super) name: String,
+    pub(crate) name: String,
     pub(crate) term: Term,
     pub(crate) value: f64,
 }

@@ -25,5 +25,5 @@ pub use parameter::{Expectation, Parameter, Role};
 pub(crate) use parse::LIGHT_TURBULENCE;
 pub use powers::{ByPowers, DatabasePart};
 pub use settings::{EstimatorTuning, InputHold, ProcessNoise};
-pub use simulation::SimulationData;
+pub use simulation::{EngineData, FuelData, FuelFlow, PropelledData, SimulationData, Slipstream};
 pub use uncertainty::{Propagation, Uncertainty};

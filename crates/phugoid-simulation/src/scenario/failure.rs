@@ -3,6 +3,8 @@
 use serde::Deserialize;
 
 use crate::manoeuvre::Surface;
+use phugoid_flight_dynamics::actuator::Actuator;
+
 use crate::quantity::{Angle, AngularRate, Frequency, Time};
 
 /// A surface that fails in flight and stays so; of several failures of one surface the latest holds.
@@ -21,6 +23,12 @@ pub struct Failure {
     /// Largest rate that is left, with `kind = "rate-limit"`.
     #[serde(default)]
     pub rate_limit: Option<AngularRate>,
+    /// How late the actuator gets its commands from then on, with `kind = "delay"`.
+    #[serde(default)]
+    pub delay: Option<Time>,
+    /// Play of the linkage from one side to the other from then on, with `kind = "play"`.
+    #[serde(default)]
+    pub play: Option<Angle>,
     /// Amplitude of an oscillation about the command.
     #[serde(default)]
     pub amplitude: Option<Angle>,
@@ -39,6 +47,10 @@ pub enum FailureKind {
     Float,
     /// It moves slowly.
     RateLimit,
+    /// It follows its commands later.
+    Delay,
+    /// Its linkage has play.
+    Play,
     /// It oscillates about what is commanded.
     Oscillation,
 }
@@ -59,15 +71,27 @@ impl Failure {
         if self.at.si() < 0.0 {
             return Err(format!("the failure of the {name} is at {}: a time from the start of the flight on", self.at));
         }
+        let of_actuator = |what: &str| {
+            if actuators {
+                return Ok(());
+            }
+            Err(format!(
+                "the {what} of the {name} has a meaning only with `actuators = true` under [aircraft]: surfaces follow their \
+                 commands at once without"
+            ))
+        };
         match self.kind {
             FailureKind::RateLimit => {
                 needs(self.rate_limit.is_some_and(|limit| limit.si() >= 0.0), "rate_limit")?;
-                if !actuators {
-                    return Err(format!(
-                        "the rate of the {name} has a limit only with `actuators = true` under [aircraft]: surfaces follow \
-                         their commands at once without"
-                    ));
-                }
+                of_actuator("limit of the rate")?;
+            }
+            FailureKind::Delay => {
+                needs(self.delay.is_some_and(|delay| delay.si() > 0.0), "delay")?;
+                of_actuator("delay")?;
+            }
+            FailureKind::Play => {
+                needs(self.play.is_some_and(|play| play.si() > 0.0), "play")?;
+                of_actuator("play")?;
             }
             FailureKind::Oscillation => {
                 needs(self.amplitude.is_some(), "amplitude")?;
@@ -76,9 +100,24 @@ impl Failure {
             FailureKind::Jam | FailureKind::Float => {}
         }
         has_no(self.kind != FailureKind::Jam && self.position.is_some(), "position", "jam")?;
+        has_no(self.kind != FailureKind::Delay && self.delay.is_some(), "delay", "delay")?;
+        has_no(self.kind != FailureKind::Play && self.play.is_some(), "play", "play")?;
         has_no(self.kind != FailureKind::RateLimit && self.rate_limit.is_some(), "rate_limit", "rate-limit")?;
         has_no(self.kind != FailureKind::Oscillation && self.amplitude.is_some(), "amplitude", "oscillation")?;
         has_no(self.kind != FailureKind::Oscillation && self.frequency.is_some(), "frequency", "oscillation")
+    }
+
+    /// The actuator that is left of `whole`.
+    pub(crate) fn actuator(&self, whole: Actuator) -> Actuator {
+        match self.kind {
+            FailureKind::RateLimit => {
+                let limit = self.rate_limit.map_or(whole.rate_limit, |limit| limit.si());
+                Actuator { rate_limit: limit.min(whole.rate_limit), ..whole }
+            }
+            FailureKind::Delay => Actuator { delay: whole.delay + self.delay.map_or(0.0, |delay| delay.si()), ..whole },
+            FailureKind::Play => Actuator { play: whole.play + self.play.map_or(0.0, |play| play.si()), ..whole },
+            FailureKind::Jam | FailureKind::Float | FailureKind::Oscillation => whole,
+        }
     }
 
     /// What the actuator is told in place of `command` (rad) at a time (s), when the surface was at `position` (rad) at the
@@ -87,7 +126,7 @@ impl Failure {
         match self.kind {
             FailureKind::Jam => self.position.map_or(position, |position| position.si()),
             FailureKind::Float => trailing,
-            FailureKind::RateLimit => command,
+            FailureKind::RateLimit | FailureKind::Delay | FailureKind::Play => command,
             FailureKind::Oscillation => {
                 let si = |angle: Option<Angle>| angle.map_or(0.0, |angle| angle.si());
                 let turns = self.frequency.map_or(0.0, |f| f.si()) * (time - self.at.si());

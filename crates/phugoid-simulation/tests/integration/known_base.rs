@@ -17,7 +17,7 @@ use phugoid_simulation::scenario::Scenario;
 use crate::shared_data::shared_file;
 
 /// Folder of the package of JSBSim, as the tests of `phugoid-aircraft` find it.
-fn package() -> Option<PathBuf> {
+pub(super) fn package() -> Option<PathBuf> {
     if let Some(folder) = std::env::var_os("PHUGOID_JSBSIM") {
         return Some(PathBuf::from(folder));
     }

@@ -4,8 +4,10 @@
 #[path = "../../../../tests/shared_data.rs"]
 mod shared_data;
 
+mod against_record;
 mod damage;
 mod declared_by_default;
+mod engines;
 mod flap;
 mod golden_flight;
 mod known_base;

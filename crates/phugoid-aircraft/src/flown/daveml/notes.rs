@@ -60,7 +60,7 @@ pub(super) fn surfaces(wiring: &Wiring, notes: &mut Vec<String>) -> (Actuators, 
             }
             UNKNOWN_LIMIT
         });
-        Actuator { limit, rate_limit: f64::INFINITY, lag: LAG_S }
+        Actuator::new(limit, f64::INFINITY, LAG_S)
     });
     let [elevator, aileron, rudder] = actuators;
     let standard = DataRange::UNSTATED;
@@ -70,6 +70,7 @@ pub(super) fn surfaces(wiring: &Wiring, notes: &mut Vec<String>) -> (Actuators, 
         elevator: ends(Feed::Elevator).unwrap_or(standard.elevator),
         aileron: ends(Feed::Aileron).unwrap_or(standard.aileron),
         rudder: ends(Feed::Rudder).unwrap_or(standard.rudder),
+        ..standard
     };
     (Actuators { elevator, aileron, rudder }, range)
 }

@@ -35,6 +35,11 @@ impl<'a> Engine<'a> {
     pub(super) fn new(power: &'a Power, throttle: f64, air: &Air) -> Self {
         Self { running: power.running(throttle, air), most_rpm: power.most_rpm(), loss: power.constant_loss(throttle) }
     }
+
+    /// One that gives the same power, foot pounds per second and not negative, at every speed up to `most_rpm`.
+    pub(super) fn of_power(power: f64, most_rpm: f64) -> Self {
+        Self { running: Running::Constant(power), most_rpm, loss: Some(0.0) }
+    }
 }
 
 /// A propeller of a pitch with its engine.

@@ -1,6 +1,7 @@
 //! Engines: where their thrust acts, and how much of it there is.
 
 mod balance;
+mod given;
 mod piston;
 mod propeller;
 
@@ -8,6 +9,7 @@ use roxmltree::Node;
 
 use balance::Engine as Turning;
 pub(super) use balance::Guess;
+pub(crate) use given::{GivenPropeller, GivenTables};
 use piston::Air;
 use propeller::{Inflow, Power, Propeller};
 

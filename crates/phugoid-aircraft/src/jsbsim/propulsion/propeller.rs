@@ -185,6 +185,29 @@ impl Propeller {
         })
     }
 
+    /// One of numbers: its tables are over the advance ratio and the pitch (degrees).
+    pub(super) fn of_numbers(
+        diameter_ft: f64,
+        pitch_deg: [f64; 2],
+        most_rpm: f64,
+        [thrust, power]: [Table; 2],
+    ) -> Self {
+        Self {
+            diameter_ft,
+            inertia: 0.0,
+            gear: 1.0,
+            pitch_deg,
+            rpm: [most_rpm; 2],
+            constant_speed: pitch_deg[0] < pitch_deg[1],
+            thrust,
+            power,
+            thrust_mach: None,
+            power_mach: None,
+            factors: [1.0; 2],
+            gyroscopic: 1.0,
+        }
+    }
+
     /// Thrust and torque at a speed and a pitch.
     pub(super) fn at(&self, inflow: &Inflow, rpm: f64, pitch_deg: f64) -> Work {
         self.taking(inflow, pitch_deg, Rows::default()).work(rpm, &mut Rows::default())

@@ -4,11 +4,11 @@ use phugoid_flight_dynamics::scalar::Scalar;
 
 /// The values of a function with their derivatives, from values at the real parts and, unless the scalar is a plain number,
 /// from central differences between the ends `between` of each variable.
-pub(super) fn expanded<T: Scalar, const N: usize>(
+pub(crate) fn expanded<T: Scalar, const N: usize, const M: usize>(
     x: [T; N],
-    function: impl Fn(&[f64; N]) -> [f64; 6],
+    function: impl Fn(&[f64; N]) -> [f64; M],
     between: impl Fn(usize, f64) -> [f64; 2],
-) -> [T; 6] {
+) -> [T; M] {
     let real = x.map(Scalar::real);
     let mut values = function(&real).map(T::from);
     if T::IS_REAL {
