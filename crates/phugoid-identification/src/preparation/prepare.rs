@@ -19,10 +19,10 @@ use crate::preparation::database_part::{Condition, database_parts};
 use crate::preparation::intake::{KnownInput, Origin, known_inputs, model_input};
 pub use crate::preparation::prepared::Prepared;
 use crate::preparation::prepared::speeds;
+use crate::preparation::resample::earlier;
 use crate::preparation::surface::{self, SurfaceNoise};
 use crate::preparation::timing::timing;
 use crate::preparation::trim::{LevelTrim, TrimCondition, level_trim};
-use crate::preparation::windows::delay::earlier;
 
 /// Says how often a surface moved while it was not sampled. The model takes it to move at the later sample, or evenly;
 /// a step that came earlier biases the moment derivatives by more than their bounds.

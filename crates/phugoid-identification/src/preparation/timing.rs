@@ -2,22 +2,27 @@
 //!
 //! A record holds either the positions of the surfaces, which ran straight to the next sample as far as is known, or the
 //! commands of a computer, which were held until the next one; and either may have been stamped late or early. The moment
-//! equation shows at what time the aircraft reacted ([`super::windows::delay`]): in time for positions, half a sample
-//! early for held commands, and anything else is a skew, by which the surface is moved.
+//! equation shows at what time the aircraft reacted ([`super::reaction`]): in time for positions, half a sample early for
+//! held commands, and anything else is a skew, by which the surface is moved. Which of them it was is decided by how likely
+//! they make the times that were found, whose errors are normal.
 
 use crate::model_file::{InputHold, ModelFile};
 use crate::motion::Motion;
 use crate::preparation::prepared::Prepared;
+use crate::preparation::reaction::{SurfaceDelay, surfaces};
 use crate::preparation::windows::SIGNIFICANT;
-use crate::preparation::windows::delay::{Delay, SurfaceDelay, surfaces};
 
-/// Standard errors, of delays by regressions over windows, within which a surface counts as recorded in time, ...
+/// Standard errors within which a time is that of held surfaces, or that of straight lines.
 const NEAR: f64 = 3.0;
-/// ... or so many samples: held and interpolated are half a sample apart.
-const NEAR_SAMPLES: f64 = 0.25;
-/// A skew explains at least this part of what the moment equation leaves without it: the terms that the equation lacks make
-/// delays that are as significant, and explain less.
-const EXPLAINS: f64 = 0.25;
+/// Logarithm of the likelihood ratio from which the more likely of the two is certain: 20 to 1.
+const CERTAIN: f64 = 3.0;
+/// What the equation cannot know of the time, beside its standard error: the aircraft's terms are not quite its own (s),
+/// and surfaces do not run straight between samples (samples).
+const EQUATION_S: f64 = 1e-3;
+const EQUATION_SAMPLES: f64 = 0.05;
+/// A skew is certain if its two sigma are within so much: C_m_q changes by five per cent with 5 ms.
+const SKEW_S: f64 = 5e-3;
+const SKEW_SAMPLES: f64 = 0.3;
 /// A skew beyond this is none that a recorder makes, s: the record stays as it is, and the verdict names it.
 const LONGEST_S: f64 = 0.3;
 
@@ -42,80 +47,90 @@ pub(crate) fn timing<M: Motion<N, R>, const N: usize, const R: usize>(
 
 fn decide(found: &[SurfaceDelay]) -> Timing {
     if found.is_empty() {
-        let note = "`input`: whether the surfaces were held between samples cannot be seen in this record (too short, no flow \
-                    angle, or motion that no surface made); they are taken as held, and half a sample more or less is not \
-                    in the bounds";
-        return Timing { hold: InputHold::Held, late_s: Vec::new(), notes: vec![note.to_owned()] };
+        let note = format!(
+            "`input`: whether the surfaces were held between samples cannot be seen in this record (too short, no flow angle, \
+             or motion that no surface made); they are taken as held, {NOT_IN_BOUNDS}"
+        );
+        return Timing { hold: InputHold::Held, late_s: Vec::new(), notes: vec![note] };
     }
     let said = |s: &SurfaceDelay| {
-        format!("the {} was recorded {:+.1} ± {:.1} ms late", s.name, 1e3 * s.delay.late_s, 2e3 * s.delay.std_s)
+        format!("the {} was recorded {:+.1} ± {:.1} ms late", s.name, 1e3 * s.late_s, 2e3 * std_s(s))
     };
     let grounds = found.iter().map(said).collect::<Vec<_>>().join(", ");
-    let fits = |hold: InputHold| found.iter().all(|s| is_near(off(s, hold), s));
-    let (held, interpolated) = (fits(InputHold::Held), fits(InputHold::Interpolated));
-    if !(held || interpolated) && found.iter().any(is_skewed) {
+    let excluded = |hold: InputHold| found.iter().any(|s| off_s(s, hold).abs() > SIGNIFICANT * std_s(s));
+    let is_possible = found.iter().all(|s| s.late_s.abs() <= LONGEST_S);
+    if excluded(InputHold::Held) && excluded(InputHold::Interpolated) && is_possible {
         return skewed(found, &grounds);
     }
-    let nearer_held = distance(found, InputHold::Held) < distance(found, InputHold::Interpolated);
-    let hold = if held && (nearer_held || !interpolated) || !interpolated && nearer_held {
-        InputHold::Held
+    let against = |hold: InputHold| found.iter().map(|s| 0.5 * (off_s(s, hold) / std_s(s)).powi(2)).sum::<f64>();
+    let (held, straight) = (against(InputHold::Held), against(InputHold::Interpolated));
+    let (hold, word, other) = if held < straight {
+        (InputHold::Held, "were held", "straight lines are")
     } else {
-        InputHold::Interpolated
+        (InputHold::Interpolated, "moved straight", "held ones are")
     };
-    let word = if hold == InputHold::Held { "were held" } else { "moved straight" };
-    let sure = if held == interpolated {
-        ". This is not certain, and half a sample more or less is not in the bounds"
-    } else {
-        ""
-    };
-    let note =
-        format!("`input`: the surfaces {word} between samples: {grounds} against straight lines (two sigma){sure}");
+    let fits = found.iter().all(|s| off_s(s, hold).abs() <= NEAR * std_s(s));
+    let ratio = (held - straight).abs();
+    let certain = fits && ratio >= CERTAIN;
+    let doubt = if certain { String::new() } else { format!(". This is not certain: it is taken so, {NOT_IN_BOUNDS}") };
+    let note = format!(
+        "`input`: the surfaces {word} between samples: {grounds} against straight lines (two sigma); {other} {} times less \
+         likely{doubt}",
+        times(ratio)
+    );
     Timing { hold, late_s: Vec::new(), notes: vec![note] }
 }
 
-/// How far the delays are from those of surfaces that move in this way: the sum of the squares in standard errors.
-fn distance(found: &[SurfaceDelay], hold: InputHold) -> f64 {
-    found.iter().map(|s| (off(s, hold) / s.delay.std_s.max(0.01 * s.step_s)).powi(2)).sum()
+/// What a user should know where nothing was decided.
+const NOT_IN_BOUNDS: &str = "and half a sample more or less is not in the bounds. If you know it, add the line input = \
+                             \"held\" (commands) or input = \"interpolated\" (positions) to the model file, above its first \
+                             [section]";
+
+/// A likelihood ratio, from its logarithm.
+fn times(ratio: f64) -> String {
+    if ratio > 1e6_f64.ln() { "more than a million".to_owned() } else { format!("{:.0}", ratio.exp()) }
 }
 
 /// How late a surface was recorded if it moves in this way, s.
-fn off(surface: &SurfaceDelay, hold: InputHold) -> f64 {
-    surface.delay.late_s + if hold == InputHold::Held { 0.5 * surface.step_s } else { 0.0 }
+fn off_s(surface: &SurfaceDelay, hold: InputHold) -> f64 {
+    surface.late_s + if hold == InputHold::Held { 0.5 * surface.step_s } else { 0.0 }
 }
 
-/// Whether a delay (s) is none, as far as that surface says.
-fn is_near(late_s: f64, surface: &SurfaceDelay) -> bool {
-    late_s.abs() <= (NEAR * surface.delay.std_s).max(NEAR_SAMPLES * surface.step_s)
-}
-
-/// Whether the delay of a surface is a skew beyond doubt.
-fn is_skewed(surface: &SurfaceDelay) -> bool {
-    let Delay { late_s, std_s, explains } = surface.delay;
-    let significant = late_s.abs() > (SIGNIFICANT * std_s).max(NEAR_SAMPLES * surface.step_s);
-    significant && explains >= EXPLAINS && late_s.abs() <= LONGEST_S
+/// One sigma of the time of a surface with what the equation cannot know, s.
+fn std_s(surface: &SurfaceDelay) -> f64 {
+    surface.std_s.hypot(EQUATION_S).hypot(EQUATION_SAMPLES * surface.step_s)
 }
 
 /// Takes skews out. Held positions that are moved by half a sample are straight lines, as nearly as the aircraft notices.
 /// One recorder stamps all surfaces alike, so that a surface that says little is moved with the others.
 fn skewed(found: &[SurfaceDelay], grounds: &str) -> Timing {
-    let common = common(found).filter(|late_s| found.iter().all(|s| is_near(s.delay.late_s - late_s, s)));
-    let late_s = |s: &SurfaceDelay| common.unwrap_or(if is_skewed(s) { s.delay.late_s } else { 0.0 });
+    let (mean_s, mean_std_s) = common(found);
+    let is_common = found.iter().all(|s| (s.late_s - mean_s).abs() <= NEAR * std_s(s));
+    let is_skewed = |s: &SurfaceDelay| s.late_s.abs() > SIGNIFICANT * std_s(s);
+    // How far each is moved, and one sigma of it.
+    let move_of = |s: &SurfaceDelay| match (is_common, is_skewed(s)) {
+        (true, _) => (mean_s, mean_std_s),
+        (false, true) => (s.late_s, std_s(s)),
+        (false, false) => (0.0, std_s(s)),
+    };
     let moved: Vec<(&'static str, f64)> =
-        found.iter().map(|s| (s.name, late_s(s))).filter(|(_, late_s)| *late_s != 0.0).collect();
+        found.iter().map(|s| (s.name, move_of(s).0)).filter(|(_, late_s)| *late_s != 0.0).collect();
     let by: Vec<String> = moved.iter().map(|(name, late_s)| format!("the {name} by {:+.1} ms", 1e3 * late_s)).collect();
+    let certain = found.iter().all(|s| 2.0 * move_of(s).1 <= SKEW_S.max(SKEW_SAMPLES * s.step_s));
+    let doubt = if certain { "" } else { ". By how much is not certain, and what it is off by is not in the bounds" };
     let note = format!(
         "`input`: {grounds} against straight lines (two sigma), by when the aircraft reacts to it, which is neither in time \
-         nor held: what was recorded late was moved earlier, {}. Check time stamps and filters",
+         nor held: what was recorded late was moved earlier, {}. Check time stamps and filters{doubt}",
         by.join(", ")
     );
     Timing { hold: InputHold::Interpolated, notes: vec![note], late_s: moved }
 }
 
-/// The mean delay, s, each by what it says; `None` if none says anything.
-fn common(found: &[SurfaceDelay]) -> Option<f64> {
-    let weight = |s: &SurfaceDelay| s.delay.std_s.max(0.01 * s.step_s).powi(-2);
-    let (all, sum) = found.iter().fold((0.0, 0.0), |(all, sum), s| (all + weight(s), sum + weight(s) * s.delay.late_s));
-    Some(sum / all).filter(|mean| mean.is_finite())
+/// The mean delay, each by what it says, and one sigma of it, s.
+fn common(found: &[SurfaceDelay]) -> (f64, f64) {
+    let weight = |s: &SurfaceDelay| std_s(s).powi(-2);
+    let all: f64 = found.iter().map(weight).sum();
+    (found.iter().map(|s| weight(s) * s.late_s).sum::<f64>() / all, all.powf(-0.5))
 }
 
 #[cfg(test)]
@@ -123,36 +138,52 @@ mod tests {
     use super::*;
 
     /// A surface at 50 Hz, by ms.
-    fn surface(late: f64, std: f64, explains: f64) -> SurfaceDelay {
-        let delay = Delay { late_s: 1e-3 * late, std_s: 1e-3 * std, explains };
-        SurfaceDelay { name: "elevator", delay, step_s: 0.02 }
+    fn surface(late: f64, std: f64) -> SurfaceDelay {
+        SurfaceDelay { name: "elevator", late_s: 1e-3 * late, std_s: 1e-3 * std, step_s: 0.02 }
     }
 
     #[test]
     fn held_straight_and_skewed_are_told_apart() {
-        let decided = |late, std, explains| {
-            let found = decide(&[surface(late, std, explains)]);
-            (found.hold, found.late_s.first().map(|moved| 1e3 * moved.1), found.notes[0].contains("not certain"))
+        let decided = |late, std| {
+            let found = decide(&[surface(late, std)]);
+            (
+                found.hold,
+                found.late_s.first().map(|moved| (1e3 * moved.1).round()),
+                found.notes[0].contains("not certain"),
+            )
         };
-        assert_eq!(decided(0.5, 1.0, 0.0), (InputHold::Interpolated, None, false));
-        assert_eq!(decided(-9.5, 1.0, 0.3), (InputHold::Held, None, false));
-        assert_eq!(decided(-4.0, 4.0, 0.0), (InputHold::Interpolated, None, true));
-        assert_eq!(decided(21.0, 2.0, 0.8), (InputHold::Interpolated, Some(21.0), false));
-        // As significant, and it explains little: a term that the equation lacks.
-        assert_eq!(decided(21.0, 2.0, 0.1), (InputHold::Interpolated, None, true));
+        assert_eq!(decided(0.5, 1.0), (InputHold::Interpolated, None, false));
+        assert_eq!(decided(-9.5, 1.0), (InputHold::Held, None, false));
+        // Between the two, and where the record says little.
+        assert_eq!(decided(-4.9, 1.0), (InputHold::Interpolated, None, true));
+        assert_eq!(decided(0.0, 4.5), (InputHold::Interpolated, None, true));
+        assert_eq!(decided(21.0, 2.0), (InputHold::Interpolated, Some(21.0), false));
+        // Late beyond doubt, and nobody knows by how much; neither in time nor late beyond doubt.
+        assert_eq!(decided(40.0, 6.0), (InputHold::Interpolated, Some(40.0), true));
+        assert_eq!(decided(16.0, 4.0), (InputHold::Interpolated, None, true));
         // No recorder is so late.
-        assert_eq!(decided(400.0, 2.0, 0.9), (InputHold::Interpolated, None, true));
+        assert_eq!(decided(400.0, 2.0), (InputHold::Interpolated, None, true));
         assert_eq!(decide(&[]).hold, InputHold::Held);
     }
 
     #[test]
+    fn what_was_decided_is_said_with_its_error_and_what_to_do() {
+        let note = |late, std| decide(&[surface(late, std)]).notes.concat();
+        assert!(note(0.5, 1.0).contains("the elevator was recorded +0.5 ± 3.5 ms late"), "{}", note(0.5, 1.0));
+        assert!(note(0.5, 1.0).contains("held ones are"), "{}", note(0.5, 1.0));
+        assert!(!note(0.5, 1.0).contains("add the line"));
+        assert!(note(-4.0, 4.0).contains("add the line input = \"held\""), "{}", note(-4.0, 4.0));
+        assert!(decide(&[]).notes[0].contains("add the line input = \"held\""));
+    }
+
+    #[test]
     fn one_recorder_stamps_all_surfaces_alike() {
-        let rudder = SurfaceDelay { name: "rudder", ..surface(5.0, 9.0, 0.0) };
-        let found = decide(&[surface(20.0, 1.0, 0.8), rudder]);
+        let rudder = SurfaceDelay { name: "rudder", ..surface(5.0, 9.0) };
+        let found = decide(&[surface(20.0, 1.0), rudder]);
         assert_eq!(found.late_s.len(), 2);
-        assert!(found.late_s.iter().all(|moved| (1e3 * moved.1 - 20.0).abs() < 0.5), "{found:?}");
+        assert!(found.late_s.iter().all(|moved| (1e3 * moved.1 - 20.0).abs() < 0.6), "{found:?}");
         // In time for certain: it is not moved with the other.
-        let rudder = SurfaceDelay { name: "rudder", ..surface(0.0, 1.0, 0.0) };
-        assert_eq!(decide(&[surface(20.0, 1.0, 0.8), rudder]).late_s, [("elevator", 0.02)]);
+        let rudder = SurfaceDelay { name: "rudder", ..surface(0.0, 1.0) };
+        assert_eq!(decide(&[surface(20.0, 1.0), rudder]).late_s, [("elevator", 0.02)]);
     }
 }
