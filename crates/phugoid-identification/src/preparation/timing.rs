@@ -3,28 +3,35 @@
 //! A record holds either the positions of the surfaces, which ran straight to the next sample as far as is known, or the
 //! commands of a computer, which were held until the next one; and either may have been stamped late or early. The moment
 //! equation shows at what time the aircraft reacted ([`super::reaction`]): in time for positions, half a sample early for
-//! held commands, and anything else is a skew, by which the surface is moved. Which of them it was is decided by how likely
-//! they make the times that were found, whose errors are normal.
+//! held commands, and anything else is a skew, by which the surface is moved. Which of them it was is decided by how
+//! probable each is, given the times that were found and their errors.
 
 use crate::model_file::{InputHold, ModelFile};
 use crate::motion::Motion;
 use crate::preparation::prepared::Prepared;
 use crate::preparation::reaction::{SurfaceDelay, surfaces};
-use crate::preparation::windows::SIGNIFICANT;
 
-/// Standard errors within which a time is that of held surfaces, or that of straight lines.
-const NEAR: f64 = 3.0;
-/// Logarithm of the likelihood ratio from which the more likely of the two is certain: 20 to 1.
-const CERTAIN: f64 = 3.0;
+/// How probable each is before the record is looked at: held commands and recorded positions are equally usual. All surfaces
+/// stamped late or early by the same time, as one recorder does it, is less usual, and each by a time of its own is rare:
+/// transducers with filters of their own, or an equation that lacks something.
+const HELD: f64 = 0.4;
+const STRAIGHT: f64 = 0.4;
+const SKEWED_ALIKE: f64 = 0.2;
+const SKEWED_EACH: f64 = 0.001;
+/// A skew is anything up to this, s, either way: beyond it is none that a recorder makes. The record then stays as it is, and
+/// the verdict names it.
+const LONGEST_S: f64 = 0.3;
+/// Probability from which what is the most probable is certain.
+const CERTAIN: f64 = 0.95;
+/// Standard errors beyond which a time is not that of what is the most probable.
+const FITS: f64 = 4.0;
 /// What the equation cannot know of the time, beside its standard error: the aircraft's terms are not quite its own (s),
 /// and surfaces do not run straight between samples (samples).
 const EQUATION_S: f64 = 1e-3;
 const EQUATION_SAMPLES: f64 = 0.05;
-/// A skew is certain if its two sigma are within so much: C_m_q changes by five per cent with 5 ms.
+/// A skew is known if its two sigma are within so much: C_m_q changes by five per cent with 5 ms.
 const SKEW_S: f64 = 5e-3;
 const SKEW_SAMPLES: f64 = 0.3;
-/// A skew beyond this is none that a recorder makes, s: the record stays as it is, and the verdict names it.
-const LONGEST_S: f64 = 0.3;
 
 /// What was found of the time of the surfaces.
 #[derive(Clone, Debug, PartialEq)]
@@ -57,39 +64,72 @@ fn decide(found: &[SurfaceDelay]) -> Timing {
         format!("the {} was recorded {:+.1} ± {:.1} ms late", s.name, 1e3 * s.late_s, 2e3 * std_s(s))
     };
     let grounds = found.iter().map(said).collect::<Vec<_>>().join(", ");
-    let excluded = |hold: InputHold| found.iter().any(|s| off_s(s, hold).abs() > SIGNIFICANT * std_s(s));
-    let is_possible = found.iter().all(|s| s.late_s.abs() <= LONGEST_S);
-    if excluded(InputHold::Held) && excluded(InputHold::Interpolated) && is_possible {
-        return skewed(found, &grounds);
+    let Probabilities { held, straight, alike, each } = probabilities(found);
+    if alike.max(each) >= CERTAIN {
+        return skewed(found, alike >= each, &grounds);
     }
-    let against = |hold: InputHold| found.iter().map(|s| 0.5 * (off_s(s, hold) / std_s(s)).powi(2)).sum::<f64>();
-    let (held, straight) = (against(InputHold::Held), against(InputHold::Interpolated));
-    let (hold, word, other) = if held < straight {
-        (InputHold::Held, "were held", "straight lines are")
+    let (hold, word, probability) = if held > straight {
+        (InputHold::Held, "were held", held)
     } else {
-        (InputHold::Interpolated, "moved straight", "held ones are")
+        (InputHold::Interpolated, "moved straight", straight)
     };
-    let fits = found.iter().all(|s| off_s(s, hold).abs() <= NEAR * std_s(s));
-    let ratio = (held - straight).abs();
-    let certain = fits && ratio >= CERTAIN;
-    let doubt = if certain { String::new() } else { format!(". This is not certain: it is taken so, {NOT_IN_BOUNDS}") };
-    let note = format!(
-        "`input`: the surfaces {word} between samples: {grounds} against straight lines (two sigma); {other} {} times less \
-         likely{doubt}",
-        times(ratio)
+    let fits = found.iter().all(|s| off_s(s, hold).abs() <= FITS * std_s(s));
+    let percent = |probability: f64| format!("{:.1} %", 100.0 * probability);
+    let grounds = format!(
+        "{grounds} against straight lines (two sigma). Probability of straight lines {}, held {}, stamped late or early {}",
+        percent(straight),
+        percent(held),
+        percent(alike + each)
     );
+    let doubt = if fits && probability >= CERTAIN {
+        String::new()
+    } else {
+        format!(". This is not certain: the nearer of straight and held is taken, {NOT_IN_BOUNDS}")
+    };
+    let note = format!("`input`: the surfaces {word} between samples: {grounds}{doubt}");
     Timing { hold, late_s: Vec::new(), notes: vec![note] }
+}
+
+/// How probable each way of recording is once the times are known.
+struct Probabilities {
+    held: f64,
+    straight: f64,
+    /// All surfaces late or early by the same time.
+    alike: f64,
+    /// Each by a time of its own.
+    each: f64,
+}
+
+/// By the theorem of Bayes: the times are normally distributed about those of held surfaces, of straight lines, and of skews
+/// of which each up to the longest is as probable as any other.
+fn probabilities(found: &[SurfaceDelay]) -> Probabilities {
+    let against = |off_s: &dyn Fn(&SurfaceDelay) -> f64| -> f64 {
+        found.iter().map(|s| 0.5 * (off_s(s) / std_s(s)).powi(2)).sum()
+    };
+    // The part of the skews that make what was found, by its logarithm.
+    let part = |std_s: f64| ((2.0 * std::f64::consts::PI).sqrt() * std_s / (2.0 * LONGEST_S)).ln();
+    let held = HELD.ln() - against(&|s| off_s(s, InputHold::Held));
+    let straight = STRAIGHT.ln() - against(&|s| off_s(s, InputHold::Interpolated));
+    let (mean_s, mean_std_s) = common(found);
+    let alike = match mean_s.abs() <= LONGEST_S {
+        true => SKEWED_ALIKE.ln() + part(mean_std_s) - against(&|s| s.late_s - mean_s),
+        false => f64::NEG_INFINITY,
+    };
+    let each = match found.len() > 1 && found.iter().all(|s| s.late_s.abs() <= LONGEST_S) {
+        true => SKEWED_EACH.ln() + found.iter().map(|s| part(std_s(s))).sum::<f64>(),
+        false => f64::NEG_INFINITY,
+    };
+    let all = [held, straight, alike, each];
+    let most = all.into_iter().fold(f64::NEG_INFINITY, f64::max);
+    let sum: f64 = all.iter().map(|one| (one - most).exp()).sum();
+    let [held, straight, alike, each] = all.map(|one| (one - most).exp() / sum);
+    Probabilities { held, straight, alike, each }
 }
 
 /// What a user should know where nothing was decided.
 const NOT_IN_BOUNDS: &str = "and half a sample more or less is not in the bounds. If you know it, add the line input = \
                              \"held\" (commands) or input = \"interpolated\" (positions) to the model file, above its first \
                              [section]";
-
-/// A likelihood ratio, from its logarithm.
-fn times(ratio: f64) -> String {
-    if ratio > 1e6_f64.ln() { "more than a million".to_owned() } else { format!("{:.0}", ratio.exp()) }
-}
 
 /// How late a surface was recorded if it moves in this way, s.
 fn off_s(surface: &SurfaceDelay, hold: InputHold) -> f64 {
@@ -102,22 +142,20 @@ fn std_s(surface: &SurfaceDelay) -> f64 {
 }
 
 /// Takes skews out. Held positions that are moved by half a sample are straight lines, as nearly as the aircraft notices.
-/// One recorder stamps all surfaces alike, so that a surface that says little is moved with the others.
-fn skewed(found: &[SurfaceDelay], grounds: &str) -> Timing {
+/// Where all are `alike`, a surface that says little is moved with the others; otherwise what is near to straight lines stays.
+fn skewed(found: &[SurfaceDelay], alike: bool, grounds: &str) -> Timing {
     let (mean_s, mean_std_s) = common(found);
-    let is_common = found.iter().all(|s| (s.late_s - mean_s).abs() <= NEAR * std_s(s));
-    let is_skewed = |s: &SurfaceDelay| s.late_s.abs() > SIGNIFICANT * std_s(s);
     // How far each is moved, and one sigma of it.
-    let move_of = |s: &SurfaceDelay| match (is_common, is_skewed(s)) {
-        (true, _) => (mean_s, mean_std_s),
-        (false, true) => (s.late_s, std_s(s)),
-        (false, false) => (0.0, std_s(s)),
+    let move_of = |s: &SurfaceDelay| match alike {
+        true => (mean_s, mean_std_s),
+        false if s.late_s.abs() > FITS * std_s(s) => (s.late_s, std_s(s)),
+        false => (0.0, std_s(s)),
     };
     let moved: Vec<(&'static str, f64)> =
         found.iter().map(|s| (s.name, move_of(s).0)).filter(|(_, late_s)| *late_s != 0.0).collect();
     let by: Vec<String> = moved.iter().map(|(name, late_s)| format!("the {name} by {:+.1} ms", 1e3 * late_s)).collect();
-    let certain = found.iter().all(|s| 2.0 * move_of(s).1 <= SKEW_S.max(SKEW_SAMPLES * s.step_s));
-    let doubt = if certain { "" } else { ". By how much is not certain, and what it is off by is not in the bounds" };
+    let is_known = found.iter().all(|s| 2.0 * move_of(s).1 <= SKEW_S.max(SKEW_SAMPLES * s.step_s));
+    let doubt = if is_known { "" } else { ". By how much is not certain, and what it is off by is not in the bounds" };
     let note = format!(
         "`input`: {grounds} against straight lines (two sigma), by when the aircraft reacts to it, which is neither in time \
          nor held: what was recorded late was moved earlier, {}. Check time stamps and filters{doubt}",
@@ -158,6 +196,9 @@ mod tests {
         assert_eq!(decided(-4.9, 1.0), (InputHold::Interpolated, None, true));
         assert_eq!(decided(0.0, 4.5), (InputHold::Interpolated, None, true));
         assert_eq!(decided(21.0, 2.0), (InputHold::Interpolated, Some(21.0), false));
+        // A sample early is half a sample from held, and is told from it, or is not certain.
+        assert_eq!(decided(-20.0, 1.5), (InputHold::Interpolated, Some(-20.0), false));
+        assert_eq!(decided(-20.0, 3.5), (InputHold::Held, None, true));
         // Late beyond doubt, and nobody knows by how much; neither in time nor late beyond doubt.
         assert_eq!(decided(40.0, 6.0), (InputHold::Interpolated, Some(40.0), true));
         assert_eq!(decided(16.0, 4.0), (InputHold::Interpolated, None, true));
@@ -170,7 +211,7 @@ mod tests {
     fn what_was_decided_is_said_with_its_error_and_what_to_do() {
         let note = |late, std| decide(&[surface(late, std)]).notes.concat();
         assert!(note(0.5, 1.0).contains("the elevator was recorded +0.5 ± 3.5 ms late"), "{}", note(0.5, 1.0));
-        assert!(note(0.5, 1.0).contains("held ones are"), "{}", note(0.5, 1.0));
+        assert!(note(0.5, 1.0).contains("Probability of straight lines 99."), "{}", note(0.5, 1.0));
         assert!(!note(0.5, 1.0).contains("add the line"));
         assert!(note(-4.0, 4.0).contains("add the line input = \"held\""), "{}", note(-4.0, 4.0));
         assert!(decide(&[]).notes[0].contains("add the line input = \"held\""));
