@@ -6,10 +6,8 @@
 //! held commands, and anything else is a skew, by which the surface is moved. Which of them it was is decided by how
 //! probable each is, given the times that were found and their errors.
 
-use crate::model_file::{InputHold, ModelFile};
-use crate::motion::Motion;
-use crate::preparation::prepared::Prepared;
-use crate::preparation::reaction::{SurfaceDelay, surfaces};
+use crate::model_file::InputHold;
+use crate::preparation::reaction::SurfaceDelay;
 
 /// How probable each is before the record is looked at: held commands and recorded positions are equally usual. All surfaces
 /// stamped late or early by the same time, as one recorder does it, is less usual, and each by a time of its own is rare:
@@ -44,15 +42,8 @@ pub(crate) struct Timing {
     pub(crate) notes: Vec<String>,
 }
 
-/// Decides how the surfaces of a prepared record moved.
-pub(crate) fn timing<M: Motion<N, R>, const N: usize, const R: usize>(
-    prepared: &Prepared<M, N, R>,
-    file: &ModelFile,
-) -> Timing {
-    decide(&surfaces(prepared, file))
-}
-
-fn decide(found: &[SurfaceDelay]) -> Timing {
+/// Decides how the surfaces moved, from the times at which each of them was recorded.
+pub(crate) fn timing(found: &[SurfaceDelay]) -> Timing {
     if found.is_empty() {
         let note = format!(
             "`input`: whether the surfaces were held between samples cannot be seen in this record (too short, no flow angle, \
@@ -183,7 +174,7 @@ mod tests {
     #[test]
     fn held_straight_and_skewed_are_told_apart() {
         let decided = |late, std| {
-            let found = decide(&[surface(late, std)]);
+            let found = timing(&[surface(late, std)]);
             (
                 found.hold,
                 found.late_s.first().map(|moved| (1e3 * moved.1).round()),
@@ -204,27 +195,27 @@ mod tests {
         assert_eq!(decided(16.0, 4.0), (InputHold::Interpolated, None, true));
         // No recorder is so late.
         assert_eq!(decided(400.0, 2.0), (InputHold::Interpolated, None, true));
-        assert_eq!(decide(&[]).hold, InputHold::Held);
+        assert_eq!(timing(&[]).hold, InputHold::Held);
     }
 
     #[test]
     fn what_was_decided_is_said_with_its_error_and_what_to_do() {
-        let note = |late, std| decide(&[surface(late, std)]).notes.concat();
+        let note = |late, std| timing(&[surface(late, std)]).notes.concat();
         assert!(note(0.5, 1.0).contains("the elevator was recorded +0.5 ± 3.5 ms late"), "{}", note(0.5, 1.0));
         assert!(note(0.5, 1.0).contains("Probability of straight lines 99."), "{}", note(0.5, 1.0));
         assert!(!note(0.5, 1.0).contains("add the line"));
         assert!(note(-4.0, 4.0).contains("add the line input = \"held\""), "{}", note(-4.0, 4.0));
-        assert!(decide(&[]).notes[0].contains("add the line input = \"held\""));
+        assert!(timing(&[]).notes[0].contains("add the line input = \"held\""));
     }
 
     #[test]
     fn one_recorder_stamps_all_surfaces_alike() {
         let rudder = SurfaceDelay { name: "rudder", ..surface(5.0, 9.0) };
-        let found = decide(&[surface(20.0, 1.0), rudder]);
+        let found = timing(&[surface(20.0, 1.0), rudder]);
         assert_eq!(found.late_s.len(), 2);
         assert!(found.late_s.iter().all(|moved| (1e3 * moved.1 - 20.0).abs() < 0.6), "{found:?}");
         // In time for certain: it is not moved with the other.
         let rudder = SurfaceDelay { name: "rudder", ..surface(0.0, 1.0) };
-        assert_eq!(decide(&[surface(20.0, 1.0), rudder]).late_s, [("elevator", 0.02)]);
+        assert_eq!(timing(&[surface(20.0, 1.0), rudder]).late_s, [("elevator", 0.02)]);
     }
 }

@@ -68,7 +68,8 @@ pub(super) fn reason<M: Motion<N, R>, const N: usize, const R: usize>(
         found.extend(with(&lateral::NAMES, &|channels| lateral::findings(channels, gravity)));
         found.extend(with(&reactions::LATERAL, &|channels| reactions::lateral(channels, chord)));
     }
-    let surfaces = reaction::surfaces(task.prepared, task.file);
+    let known = task.prepared.surface_times.clone();
+    let surfaces = known.unwrap_or_else(|| reaction::surfaces(task.prepared, task.file));
     found.extend(surfaces.iter().filter_map(|surface| reactions::surface(surface, task.prepared.hold)));
     if found.is_empty() {
         return None;

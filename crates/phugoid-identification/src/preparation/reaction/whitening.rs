@@ -32,7 +32,14 @@ pub(super) fn autoregression(stretches: &[Vec<f64>], order: usize) -> Vec<f64> {
 
 /// The prediction errors of a signal, from the first sample on that has enough before it.
 pub(super) fn whitened(values: &[f64], filter: &[f64]) -> Vec<f64> {
-    values.windows(filter.len()).map(|w| w.iter().rev().zip(filter).map(|(value, a)| a * value).sum()).collect()
+    let order = filter.len().saturating_sub(1);
+    let count = values.len().saturating_sub(order);
+    let mut out = vec![0.0; count];
+    for (i, a) in filter.iter().enumerate() {
+        let before = values.iter().skip(order - i);
+        out.iter_mut().zip(before).for_each(|(out, value)| *out += a * value);
+    }
+    out
 }
 
 #[cfg(test)]
