@@ -142,7 +142,7 @@ fn how_surfaces_move_on_the_whole_field() {
     }
     for (case, count) in study(&flights, true) {
         println!("{case}: {count:?}");
-        // How much is decided, and how near a skew is found, is what this is run for (docs/model-file.md).
-        assert!(case.contains("ms") || count.right >= 19 * count.wrong, "{case}: {count:?}");
+        // How much is decided is what this is run for (docs/model-file.md); of that, 95 % has to be right.
+        assert!(count.right >= 19 * count.wrong && count.right > 0, "{case}: {count:?}");
     }
 }
