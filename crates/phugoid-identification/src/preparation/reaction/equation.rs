@@ -390,7 +390,7 @@ mod tests {
     #[test]
     fn the_standard_error_is_that_of_the_times() {
         // Sixty flights of the same motion with other noise.
-        let all: Vec<(f64, f64)> = (0..60).map(|seed| found(&flight(0.02, 4e-3, seed)).unwrap()).collect();
+        let all: Vec<(f64, f64)> = (0..60).map(|seed| found(&flight(0.02, 2e-3, seed)).unwrap()).collect();
         let mean = |values: &dyn Fn(&(f64, f64)) -> f64| all.iter().map(values).sum::<f64>() / all.len() as f64;
         let late = mean(&|one| one.0);
         let (scatter, claimed) = (mean(&|one| (one.0 - late).powi(2)).sqrt(), mean(&|one| one.1));
