@@ -7,7 +7,7 @@ use crate::model_file::{ByPowers, DatabasePart, InputHold, ModelFile};
 use crate::motion::{Motion, ReferencePoint};
 use crate::preparation::database_part::Condition;
 use crate::preparation::intake::Origin;
-use crate::preparation::reaction::SurfaceDelay;
+use crate::preparation::reaction::delay::SurfaceDelay;
 use crate::preparation::surface::SurfaceNoise;
 
 /// Samples that noise levels are measured from, at least.

@@ -7,7 +7,7 @@
 //! probable each is, given the times that were found and their errors.
 
 use crate::model_file::InputHold;
-use crate::preparation::reaction::SurfaceDelay;
+use crate::preparation::reaction::delay::SurfaceDelay;
 
 /// How probable each is before the record is looked at: held commands and recorded positions are equally usual. All surfaces
 /// stamped late or early by the same time, as one recorder does it, is less usual, and each by a time of its own is rare:

@@ -9,7 +9,7 @@ use phugoid_flight_data::statistics::median;
 
 use super::Finding;
 use crate::model_file::InputHold;
-use crate::preparation::reaction::SurfaceDelay;
+use crate::preparation::reaction::delay::SurfaceDelay;
 use crate::preparation::windows::SIGNIFICANT;
 use crate::preparation::windows::channels::Channels;
 use crate::preparation::windows::delay::{Causes, Delay, product, scales};

@@ -4,6 +4,7 @@
 //! one of its parameters, beside derivatives that need not be known ([`equation`]). What is found is the time that makes
 //! the record most likely, and its standard error.
 
+pub(crate) mod delay;
 mod equation;
 mod samples;
 mod whitening;
@@ -13,26 +14,13 @@ use crate::motion::Motion;
 use crate::preparation::prepared::Prepared;
 use crate::preparation::windows::channels::Channels;
 use crate::preparation::windows::delay::{product, scales};
+use delay::SurfaceDelay;
 use equation::{Equation, late};
 
 /// Channels of the pitching moment, and the accelerometer that some aircraft have.
 const PITCH: [&str; 5] = ["true_airspeed", "alpha", "q", "elevator", "az"];
 /// Channels of the rolling and the yawing moment.
 const ROLL_AND_YAW: [&str; 6] = ["true_airspeed", "beta", "p", "r", "aileron", "rudder"];
-
-/// When one surface was recorded.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct SurfaceDelay {
-    /// Canonical name of the surface.
-    pub(crate) name: &'static str,
-    /// By how much the record is late, s; negative: early. Against positions that run straight between the samples, so
-    /// that a position that was held from its sample on is half a sample early.
-    pub(crate) late_s: f64,
-    /// One sigma of it, s.
-    pub(crate) std_s: f64,
-    /// Median step of the samples, s.
-    pub(crate) step_s: f64,
-}
 
 /// When the surfaces of a flight were recorded; those of which the flight says it.
 pub(crate) fn surfaces<M: Motion<N, R>, const N: usize, const R: usize>(
