@@ -22,7 +22,8 @@ const NEAR_S: f64 = 0.005;
 /// What was found of a flight: how the surfaces move, and which of them was stamped late, s.
 type Found = (InputHold, Vec<(String, f64)>);
 
-fn decide(record: &Record, file: &ModelFile, lateral: bool) -> Option<(Found, bool)> {
+/// What was found, whether it is certain, and the sentence that says so.
+fn decide(record: &Record, file: &ModelFile, lateral: bool) -> Option<(Found, bool, String)> {
     let (hold, moved, notes) = if lateral {
         let prepared = prepare::<LateralModel, _, _>(record, file).ok()?;
         (prepared.hold, prepared.moved_s, prepared.notes)
@@ -30,8 +31,8 @@ fn decide(record: &Record, file: &ModelFile, lateral: bool) -> Option<(Found, bo
         let prepared = prepare::<LongitudinalModel, _, _>(record, file).ok()?;
         (prepared.hold, prepared.moved_s, prepared.notes)
     };
-    let decided = !notes.iter().any(|note| note.contains("is not in the bounds"));
-    Some(((hold, moved), decided))
+    let note = notes.into_iter().find(|note| note.starts_with("`input`"))?;
+    Some(((hold, moved), !note.contains("is not in the bounds"), note))
 }
 
 /// The record with its surfaces stamped so much later, s.
@@ -78,7 +79,9 @@ fn study(flights: &[Truth], show: bool) -> [(&'static str, Count); 4] {
         let step = record.sample_time_s();
         for (case, late_s) in [0.0, -0.5 * step, 0.02, -0.02].into_iter().enumerate() {
             let stamped = if late_s == 0.0 { record.clone() } else { stamped_late(&record, late_s) };
-            let Some(((hold, moved), decided)) = decide(&stamped, &file, truth.axes == "lateral") else { continue };
+            let Some(((hold, moved), decided, note)) = decide(&stamped, &file, truth.axes == "lateral") else {
+                continue;
+            };
             // What the estimator takes as the delay, half a sample for held ones included.
             let taken = |name: &str| {
                 moved.iter().find(|m| m.0 == name).map_or(0.0, |m| m.1)
@@ -97,14 +100,15 @@ fn study(flights: &[Truth], show: bool) -> [(&'static str, Count); 4] {
             if show {
                 let taken: Vec<String> = names.iter().map(|name| format!("{:+.1}", 1e3 * taken(name))).collect();
                 println!(
-                    "{} {} {} step {:.0} ms, {:+.1} ms: {} {hold:?} taken {}",
+                    "{} {} {} step {:.0} ms, {:+.1} ms: {} {hold:?} taken {}: {}",
                     truth.aircraft,
                     truth.flight,
                     truth.group,
                     1e3 * step,
                     1e3 * late_s,
                     if decided { "decided" } else { "open" },
-                    taken.join(" ")
+                    taken.join(" "),
+                    note.split(". ").next().unwrap_or_default()
                 );
             }
         }
@@ -138,7 +142,7 @@ fn how_surfaces_move_on_the_whole_field() {
     }
     for (case, count) in study(&flights, true) {
         println!("{case}: {count:?}");
-        // How much is decided, and how near a skew is found, is what this is run for (docs/model-file.md).
-        assert!(case.contains("ms") || count.right >= 19 * count.wrong, "{case}: {count:?}");
+        // How much is decided is what this is run for (docs/model-file.md); of that, 95 % has to be right.
+        assert!(count.right >= 19 * count.wrong && count.right > 0, "{case}: {count:?}");
     }
 }

@@ -105,8 +105,8 @@ fn is_unsupported<const R: usize>(first: &Run<R>, without: &Run<R>, time_s: &[f6
     let last_s = adopted.map(|change| change.time_s).reduce(f64::max);
     let (Some(last_s), Some(end_s)) = (last_s, time_s.last()) else { return false };
     let needed = if last_s > end_s - AFTER_S { 0.0 } else { EVIDENCE };
-    let doubts = first.events.iter().filter(|event| event.kind == EventKind::InDoubt);
-    let doubted = doubts.filter(|_| first.status.change == ChangeState::InDoubt).next_back();
+    let open = first.status.change == ChangeState::InDoubt;
+    let doubted = first.events.iter().rfind(|event| open && event.kind == EventKind::InDoubt);
     let gain_from = |sample: usize| evidence_from(first, sample) - evidence_from(without, sample);
     gain_from(0) < needed && doubted.is_none_or(|event| gain_from(time_s.partition_point(|t| *t < event.time_s)) < 0.0)
 }

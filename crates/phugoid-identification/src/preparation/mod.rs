@@ -9,6 +9,7 @@ pub(crate) mod intake;
 pub mod noise;
 pub mod prepare;
 pub(crate) mod prepared;
+pub(crate) mod reaction;
 pub(crate) mod resample;
 pub(crate) mod surface;
 pub(crate) mod timing;

@@ -19,10 +19,11 @@ use crate::preparation::database_part::{Condition, database_parts};
 use crate::preparation::intake::{KnownInput, Origin, known_inputs, model_input};
 pub use crate::preparation::prepared::Prepared;
 use crate::preparation::prepared::speeds;
+use crate::preparation::reaction::surfaces;
+use crate::preparation::resample::earlier;
 use crate::preparation::surface::{self, SurfaceNoise};
 use crate::preparation::timing::timing;
 use crate::preparation::trim::{LevelTrim, TrimCondition, level_trim};
-use crate::preparation::windows::delay::earlier;
 
 /// Says how often a surface moved while it was not sampled. The model takes it to move at the later sample, or evenly;
 /// a step that came earlier biases the moment derivatives by more than their bounds.
@@ -68,12 +69,17 @@ pub fn prepare<M: Motion<N, R>, const N: usize, const R: usize>(
 ) -> Result<Prepared<M, N, R>, EstimateError> {
     let mut prepared = collect(record, file, &surface::smooth)?;
     if file.input == InputHold::Auto {
-        let found = timing(&prepared, file);
+        let mut times = surfaces(&prepared, file);
+        let found = timing(&times);
         for (name, late_s) in &found.late_s {
             for signal in prepared.known.iter_mut().filter(|signal| signal.name == *name) {
                 signal.values = earlier(&prepared.time, &signal.values, *late_s);
             }
         }
+        for (name, late_s) in &found.late_s {
+            times.iter_mut().filter(|one| one.name == *name).for_each(|one| one.late_s -= late_s);
+        }
+        prepared.surface_times = Some(times);
         prepared.moved_s = found.late_s.iter().map(|(name, late_s)| ((*name).to_owned(), *late_s)).collect();
         prepared.hold = found.hold;
         prepared.inputs = model_inputs::<M, N, R>(&prepared.known, file, found.hold);
@@ -228,6 +234,7 @@ fn collect<M: Motion<N, R>, const N: usize, const R: usize>(
         origins,
         hold,
         moved_s: Vec::new(),
+        surface_times: None,
         surface_noise,
         reference,
         database_parts,

@@ -7,6 +7,7 @@ use crate::model_file::{ByPowers, DatabasePart, InputHold, ModelFile};
 use crate::motion::{Motion, ReferencePoint};
 use crate::preparation::database_part::Condition;
 use crate::preparation::intake::Origin;
+use crate::preparation::reaction::delay::SurfaceDelay;
 use crate::preparation::surface::SurfaceNoise;
 
 /// Samples that noise levels are measured from, at least.
@@ -31,6 +32,9 @@ pub struct Prepared<M: Motion<N, R>, const N: usize, const R: usize> {
     pub hold: InputHold,
     /// The surfaces that were recorded late (positive) or early and were moved, by name, and by how much, s.
     pub moved_s: Vec<(String, f64)>,
+    /// When the surfaces were recorded, after those that were late were moved; where the record had to say how they move
+    /// between samples, or none.
+    pub(crate) surface_times: Option<Vec<SurfaceDelay>>,
     /// The noise of the surfaces that have some, by name.
     pub(crate) surface_noise: Vec<(String, SurfaceNoise)>,
     /// The reference point: the values at which the terms are zero.

@@ -10,3 +10,8 @@ pub(crate) fn at_times(times: impl Iterator<Item = f64>, own: &[f64], values: &[
     };
     times.map(at).collect()
 }
+
+/// A channel as it would be if it had been recorded so much earlier, s; straight between samples, held at the ends.
+pub(crate) fn earlier(time_s: &[f64], values: &[f64], by_s: f64) -> Vec<f64> {
+    at_times(time_s.iter().map(|t| t + by_s), time_s, values)
+}

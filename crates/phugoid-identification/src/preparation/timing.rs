@@ -2,24 +2,34 @@
 //!
 //! A record holds either the positions of the surfaces, which ran straight to the next sample as far as is known, or the
 //! commands of a computer, which were held until the next one; and either may have been stamped late or early. The moment
-//! equation shows at what time the aircraft reacted ([`super::windows::delay`]): in time for positions, half a sample
-//! early for held commands, and anything else is a skew, by which the surface is moved.
+//! equation shows at what time the aircraft reacted ([`super::reaction`]): in time for positions, half a sample early for
+//! held commands, and anything else is a skew, by which the surface is moved. Which of them it was is decided by how
+//! probable each is, given the times that were found and their errors.
 
-use crate::model_file::{InputHold, ModelFile};
-use crate::motion::Motion;
-use crate::preparation::prepared::Prepared;
-use crate::preparation::windows::SIGNIFICANT;
-use crate::preparation::windows::delay::{Delay, SurfaceDelay, surfaces};
+use crate::model_file::InputHold;
+use crate::preparation::reaction::delay::SurfaceDelay;
 
-/// Standard errors, of delays by regressions over windows, within which a surface counts as recorded in time, ...
-const NEAR: f64 = 3.0;
-/// ... or so many samples: held and interpolated are half a sample apart.
-const NEAR_SAMPLES: f64 = 0.25;
-/// A skew explains at least this part of what the moment equation leaves without it: the terms that the equation lacks make
-/// delays that are as significant, and explain less.
-const EXPLAINS: f64 = 0.25;
-/// A skew beyond this is none that a recorder makes, s: the record stays as it is, and the verdict names it.
+/// How probable each is before the record is looked at: held commands and recorded positions are equally usual. All surfaces
+/// stamped late or early by the same time, as one recorder does it, is less usual, and each by a time of its own is rare:
+/// transducers with filters of their own, or an equation that lacks something.
+const HELD: f64 = 0.4;
+const STRAIGHT: f64 = 0.4;
+const SKEWED_ALIKE: f64 = 0.2;
+const SKEWED_EACH: f64 = 0.001;
+/// A skew is anything up to this, s, either way: beyond it is none that a recorder makes. The record then stays as it is, and
+/// the verdict names it.
 const LONGEST_S: f64 = 0.3;
+/// Probability from which what is the most probable is certain.
+const CERTAIN: f64 = 0.95;
+/// Standard errors beyond which a time is not that of what is the most probable.
+const FITS: f64 = 4.0;
+/// What the equation cannot know of the time, beside its standard error: the aircraft's terms are not quite its own (s),
+/// and surfaces do not run straight between samples (samples).
+const EQUATION_S: f64 = 1e-3;
+const EQUATION_SAMPLES: f64 = 0.05;
+/// A skew is known if its two sigma are within so much: C_m_q changes by five per cent with 5 ms.
+const SKEW_S: f64 = 5e-3;
+const SKEW_SAMPLES: f64 = 0.3;
 
 /// What was found of the time of the surfaces.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,90 +42,124 @@ pub(crate) struct Timing {
     pub(crate) notes: Vec<String>,
 }
 
-/// Decides how the surfaces of a prepared record moved.
-pub(crate) fn timing<M: Motion<N, R>, const N: usize, const R: usize>(
-    prepared: &Prepared<M, N, R>,
-    file: &ModelFile,
-) -> Timing {
-    decide(&surfaces(prepared, file))
-}
-
-fn decide(found: &[SurfaceDelay]) -> Timing {
+/// Decides how the surfaces moved, from the times at which each of them was recorded.
+pub(crate) fn timing(found: &[SurfaceDelay]) -> Timing {
     if found.is_empty() {
-        let note = "`input`: whether the surfaces were held between samples cannot be seen in this record (too short, no flow \
-                    angle, or motion that no surface made); they are taken as held, and half a sample more or less is not \
-                    in the bounds";
-        return Timing { hold: InputHold::Held, late_s: Vec::new(), notes: vec![note.to_owned()] };
+        let note = format!(
+            "`input`: whether the surfaces were held between samples cannot be seen in this record (too short, no flow angle, \
+             or motion that no surface made); they are taken as held, {NOT_IN_BOUNDS}"
+        );
+        return Timing { hold: InputHold::Held, late_s: Vec::new(), notes: vec![note] };
     }
     let said = |s: &SurfaceDelay| {
-        format!("the {} was recorded {:+.1} ± {:.1} ms late", s.name, 1e3 * s.delay.late_s, 2e3 * s.delay.std_s)
+        format!("the {} was recorded {:+.1} ± {:.1} ms late", s.name, 1e3 * s.late_s, 2e3 * std_s(s))
     };
     let grounds = found.iter().map(said).collect::<Vec<_>>().join(", ");
-    let fits = |hold: InputHold| found.iter().all(|s| is_near(off(s, hold), s));
-    let (held, interpolated) = (fits(InputHold::Held), fits(InputHold::Interpolated));
-    if !(held || interpolated) && found.iter().any(is_skewed) {
-        return skewed(found, &grounds);
+    let Probabilities { held, straight, alike, each } = probabilities(found);
+    if alike.max(each) >= CERTAIN {
+        return skewed(found, alike >= each, &grounds);
     }
-    let nearer_held = distance(found, InputHold::Held) < distance(found, InputHold::Interpolated);
-    let hold = if held && (nearer_held || !interpolated) || !interpolated && nearer_held {
-        InputHold::Held
+    let (hold, word, probability) = if held > straight {
+        (InputHold::Held, "were held", held)
     } else {
-        InputHold::Interpolated
+        (InputHold::Interpolated, "moved straight", straight)
     };
-    let word = if hold == InputHold::Held { "were held" } else { "moved straight" };
-    let sure = if held == interpolated {
-        ". This is not certain, and half a sample more or less is not in the bounds"
+    let fits = found.iter().all(|s| off_s(s, hold).abs() <= FITS * std_s(s));
+    let percent = |probability: f64| format!("{:.1} %", 100.0 * probability);
+    let grounds = format!(
+        "{grounds} against straight lines (two sigma). Probability of straight lines {}, held {}, stamped late or early {}",
+        percent(straight),
+        percent(held),
+        percent(alike + each)
+    );
+    let doubt = if fits && probability >= CERTAIN {
+        String::new()
     } else {
-        ""
+        format!(". This is not certain: the nearer of straight and held is taken, {NOT_IN_BOUNDS}")
     };
-    let note =
-        format!("`input`: the surfaces {word} between samples: {grounds} against straight lines (two sigma){sure}");
+    let note = format!("`input`: the surfaces {word} between samples: {grounds}{doubt}");
     Timing { hold, late_s: Vec::new(), notes: vec![note] }
 }
 
-/// How far the delays are from those of surfaces that move in this way: the sum of the squares in standard errors.
-fn distance(found: &[SurfaceDelay], hold: InputHold) -> f64 {
-    found.iter().map(|s| (off(s, hold) / s.delay.std_s.max(0.01 * s.step_s)).powi(2)).sum()
+/// How probable each way of recording is once the times are known.
+struct Probabilities {
+    held: f64,
+    straight: f64,
+    /// All surfaces late or early by the same time.
+    alike: f64,
+    /// Each by a time of its own.
+    each: f64,
 }
+
+/// By the theorem of Bayes: the times are normally distributed about those of held surfaces, of straight lines, and of skews
+/// of which each up to the longest is as probable as any other.
+fn probabilities(found: &[SurfaceDelay]) -> Probabilities {
+    let against = |off_s: &dyn Fn(&SurfaceDelay) -> f64| -> f64 {
+        found.iter().map(|s| 0.5 * (off_s(s) / std_s(s)).powi(2)).sum()
+    };
+    // The part of the skews that make what was found, by its logarithm.
+    let part = |std_s: f64| ((2.0 * std::f64::consts::PI).sqrt() * std_s / (2.0 * LONGEST_S)).ln();
+    let held = HELD.ln() - against(&|s| off_s(s, InputHold::Held));
+    let straight = STRAIGHT.ln() - against(&|s| off_s(s, InputHold::Interpolated));
+    let (mean_s, mean_std_s) = common(found);
+    let alike = match mean_s.abs() <= LONGEST_S {
+        true => SKEWED_ALIKE.ln() + part(mean_std_s) - against(&|s| s.late_s - mean_s),
+        false => f64::NEG_INFINITY,
+    };
+    let each = match found.len() > 1 && found.iter().all(|s| s.late_s.abs() <= LONGEST_S) {
+        true => SKEWED_EACH.ln() + found.iter().map(|s| part(std_s(s))).sum::<f64>(),
+        false => f64::NEG_INFINITY,
+    };
+    let all = [held, straight, alike, each];
+    let most = all.into_iter().fold(f64::NEG_INFINITY, f64::max);
+    let sum: f64 = all.iter().map(|one| (one - most).exp()).sum();
+    let [held, straight, alike, each] = all.map(|one| (one - most).exp() / sum);
+    Probabilities { held, straight, alike, each }
+}
+
+/// What a user should know where nothing was decided.
+const NOT_IN_BOUNDS: &str = "and half a sample more or less is not in the bounds. If you know it, add the line input = \
+                             \"held\" (commands) or input = \"interpolated\" (positions) to the model file, above its first \
+                             [section]";
 
 /// How late a surface was recorded if it moves in this way, s.
-fn off(surface: &SurfaceDelay, hold: InputHold) -> f64 {
-    surface.delay.late_s + if hold == InputHold::Held { 0.5 * surface.step_s } else { 0.0 }
+fn off_s(surface: &SurfaceDelay, hold: InputHold) -> f64 {
+    surface.late_s + if hold == InputHold::Held { 0.5 * surface.step_s } else { 0.0 }
 }
 
-/// Whether a delay (s) is none, as far as that surface says.
-fn is_near(late_s: f64, surface: &SurfaceDelay) -> bool {
-    late_s.abs() <= (NEAR * surface.delay.std_s).max(NEAR_SAMPLES * surface.step_s)
-}
-
-/// Whether the delay of a surface is a skew beyond doubt.
-fn is_skewed(surface: &SurfaceDelay) -> bool {
-    let Delay { late_s, std_s, explains } = surface.delay;
-    let significant = late_s.abs() > (SIGNIFICANT * std_s).max(NEAR_SAMPLES * surface.step_s);
-    significant && explains >= EXPLAINS && late_s.abs() <= LONGEST_S
+/// One sigma of the time of a surface with what the equation cannot know, s.
+fn std_s(surface: &SurfaceDelay) -> f64 {
+    surface.std_s.hypot(EQUATION_S).hypot(EQUATION_SAMPLES * surface.step_s)
 }
 
 /// Takes skews out. Held positions that are moved by half a sample are straight lines, as nearly as the aircraft notices.
-/// One recorder stamps all surfaces alike, so that a surface that says little is moved with the others.
-fn skewed(found: &[SurfaceDelay], grounds: &str) -> Timing {
-    let common = common(found).filter(|late_s| found.iter().all(|s| is_near(s.delay.late_s - late_s, s)));
-    let late_s = |s: &SurfaceDelay| common.unwrap_or(if is_skewed(s) { s.delay.late_s } else { 0.0 });
+/// Where all are `alike`, a surface that says little is moved with the others; otherwise what is near to straight lines stays.
+fn skewed(found: &[SurfaceDelay], alike: bool, grounds: &str) -> Timing {
+    let (mean_s, mean_std_s) = common(found);
+    // How far each is moved, and one sigma of it.
+    let move_of = |s: &SurfaceDelay| match alike {
+        true => (mean_s, mean_std_s),
+        false if s.late_s.abs() > FITS * std_s(s) => (s.late_s, std_s(s)),
+        false => (0.0, std_s(s)),
+    };
     let moved: Vec<(&'static str, f64)> =
-        found.iter().map(|s| (s.name, late_s(s))).filter(|(_, late_s)| *late_s != 0.0).collect();
+        found.iter().map(|s| (s.name, move_of(s).0)).filter(|(_, late_s)| *late_s != 0.0).collect();
     let by: Vec<String> = moved.iter().map(|(name, late_s)| format!("the {name} by {:+.1} ms", 1e3 * late_s)).collect();
+    let is_known = found.iter().all(|s| 2.0 * move_of(s).1 <= SKEW_S.max(SKEW_SAMPLES * s.step_s));
+    let doubt = if is_known { "" } else { ". By how much is not certain, and what it is off by is not in the bounds" };
     let note = format!(
         "`input`: {grounds} against straight lines (two sigma), by when the aircraft reacts to it, which is neither in time \
-         nor held: what was recorded late was moved earlier, {}. Check time stamps and filters",
+         nor held: what was recorded late was moved earlier, {}. Check time stamps and filters{doubt}",
         by.join(", ")
     );
     Timing { hold: InputHold::Interpolated, notes: vec![note], late_s: moved }
 }
 
-/// The mean delay, s, each by what it says; `None` if none says anything.
-fn common(found: &[SurfaceDelay]) -> Option<f64> {
-    let weight = |s: &SurfaceDelay| s.delay.std_s.max(0.01 * s.step_s).powi(-2);
-    let (all, sum) = found.iter().fold((0.0, 0.0), |(all, sum), s| (all + weight(s), sum + weight(s) * s.delay.late_s));
-    Some(sum / all).filter(|mean| mean.is_finite())
+/// The mean delay, each by what it says, and one sigma of it, s.
+fn common(found: &[SurfaceDelay]) -> (f64, f64) {
+    let weight = |s: &SurfaceDelay| std_s(s).powi(-2);
+    let all: f64 = found.iter().map(weight).sum();
+    (found.iter().map(|s| weight(s) * s.late_s).sum::<f64>() / all, all.powf(-0.5))
 }
 
 #[cfg(test)]
@@ -123,36 +167,55 @@ mod tests {
     use super::*;
 
     /// A surface at 50 Hz, by ms.
-    fn surface(late: f64, std: f64, explains: f64) -> SurfaceDelay {
-        let delay = Delay { late_s: 1e-3 * late, std_s: 1e-3 * std, explains };
-        SurfaceDelay { name: "elevator", delay, step_s: 0.02 }
+    fn surface(late: f64, std: f64) -> SurfaceDelay {
+        SurfaceDelay { name: "elevator", late_s: 1e-3 * late, std_s: 1e-3 * std, step_s: 0.02 }
     }
 
     #[test]
     fn held_straight_and_skewed_are_told_apart() {
-        let decided = |late, std, explains| {
-            let found = decide(&[surface(late, std, explains)]);
-            (found.hold, found.late_s.first().map(|moved| 1e3 * moved.1), found.notes[0].contains("not certain"))
+        let decided = |late, std| {
+            let found = timing(&[surface(late, std)]);
+            (
+                found.hold,
+                found.late_s.first().map(|moved| (1e3 * moved.1).round()),
+                found.notes[0].contains("not certain"),
+            )
         };
-        assert_eq!(decided(0.5, 1.0, 0.0), (InputHold::Interpolated, None, false));
-        assert_eq!(decided(-9.5, 1.0, 0.3), (InputHold::Held, None, false));
-        assert_eq!(decided(-4.0, 4.0, 0.0), (InputHold::Interpolated, None, true));
-        assert_eq!(decided(21.0, 2.0, 0.8), (InputHold::Interpolated, Some(21.0), false));
-        // As significant, and it explains little: a term that the equation lacks.
-        assert_eq!(decided(21.0, 2.0, 0.1), (InputHold::Interpolated, None, true));
+        assert_eq!(decided(0.5, 1.0), (InputHold::Interpolated, None, false));
+        assert_eq!(decided(-9.5, 1.0), (InputHold::Held, None, false));
+        // Between the two, and where the record says little.
+        assert_eq!(decided(-4.9, 1.0), (InputHold::Interpolated, None, true));
+        assert_eq!(decided(0.0, 4.5), (InputHold::Interpolated, None, true));
+        assert_eq!(decided(21.0, 2.0), (InputHold::Interpolated, Some(21.0), false));
+        // A sample early is half a sample from held, and is told from it, or is not certain.
+        assert_eq!(decided(-20.0, 1.5), (InputHold::Interpolated, Some(-20.0), false));
+        assert_eq!(decided(-20.0, 3.5), (InputHold::Held, None, true));
+        // Late beyond doubt, and nobody knows by how much; neither in time nor late beyond doubt.
+        assert_eq!(decided(40.0, 6.0), (InputHold::Interpolated, Some(40.0), true));
+        assert_eq!(decided(16.0, 4.0), (InputHold::Interpolated, None, true));
         // No recorder is so late.
-        assert_eq!(decided(400.0, 2.0, 0.9), (InputHold::Interpolated, None, true));
-        assert_eq!(decide(&[]).hold, InputHold::Held);
+        assert_eq!(decided(400.0, 2.0), (InputHold::Interpolated, None, true));
+        assert_eq!(timing(&[]).hold, InputHold::Held);
+    }
+
+    #[test]
+    fn what_was_decided_is_said_with_its_error_and_what_to_do() {
+        let note = |late, std| timing(&[surface(late, std)]).notes.concat();
+        assert!(note(0.5, 1.0).contains("the elevator was recorded +0.5 ± 3.5 ms late"), "{}", note(0.5, 1.0));
+        assert!(note(0.5, 1.0).contains("Probability of straight lines 99."), "{}", note(0.5, 1.0));
+        assert!(!note(0.5, 1.0).contains("add the line"));
+        assert!(note(-4.0, 4.0).contains("add the line input = \"held\""), "{}", note(-4.0, 4.0));
+        assert!(timing(&[]).notes[0].contains("add the line input = \"held\""));
     }
 
     #[test]
     fn one_recorder_stamps_all_surfaces_alike() {
-        let rudder = SurfaceDelay { name: "rudder", ..surface(5.0, 9.0, 0.0) };
-        let found = decide(&[surface(20.0, 1.0, 0.8), rudder]);
+        let rudder = SurfaceDelay { name: "rudder", ..surface(5.0, 9.0) };
+        let found = timing(&[surface(20.0, 1.0), rudder]);
         assert_eq!(found.late_s.len(), 2);
-        assert!(found.late_s.iter().all(|moved| (1e3 * moved.1 - 20.0).abs() < 0.5), "{found:?}");
+        assert!(found.late_s.iter().all(|moved| (1e3 * moved.1 - 20.0).abs() < 0.6), "{found:?}");
         // In time for certain: it is not moved with the other.
-        let rudder = SurfaceDelay { name: "rudder", ..surface(0.0, 1.0, 0.0) };
-        assert_eq!(decide(&[surface(20.0, 1.0, 0.8), rudder]).late_s, [("elevator", 0.02)]);
+        let rudder = SurfaceDelay { name: "rudder", ..surface(0.0, 1.0) };
+        assert_eq!(timing(&[surface(20.0, 1.0), rudder]).late_s, [("elevator", 0.02)]);
     }
 }

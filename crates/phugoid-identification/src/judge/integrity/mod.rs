@@ -16,8 +16,9 @@ use phugoid_flight_data::record::Record;
 use crate::core::estimation::{EstimationStatus, ReasonCode, VerdictReason};
 use crate::methods::Task;
 use crate::motion::Motion;
+use crate::preparation::reaction;
+use crate::preparation::windows::SIGNIFICANT;
 use crate::preparation::windows::channels::Channels;
-use crate::preparation::windows::{SIGNIFICANT, delay as timing};
 
 /// Smallest departure of a scale that is reported: calibrations are rarely better.
 const SCALE: f64 = 0.04;
@@ -67,7 +68,8 @@ pub(super) fn reason<M: Motion<N, R>, const N: usize, const R: usize>(
         found.extend(with(&lateral::NAMES, &|channels| lateral::findings(channels, gravity)));
         found.extend(with(&reactions::LATERAL, &|channels| reactions::lateral(channels, chord)));
     }
-    let surfaces = timing::surfaces(task.prepared, task.file);
+    let known = task.prepared.surface_times.clone();
+    let surfaces = known.unwrap_or_else(|| reaction::surfaces(task.prepared, task.file));
     found.extend(surfaces.iter().filter_map(|surface| reactions::surface(surface, task.prepared.hold)));
     if found.is_empty() {
         return None;

@@ -1,7 +1,7 @@
 //! Whether the control surfaces and the flow angles are recorded at the time at which the aircraft reacts to them.
 //!
-//! The moment equation shows the delay of a surface and the force equation that of a flow angle
-//! ([`crate::preparation::windows::delay`]). The kinematics of the other checks says nothing of a surface, and nothing of
+//! The moment equation shows the delay of a surface ([`crate::preparation::reaction`]) and the force equation that of a
+//! flow angle ([`crate::preparation::windows::delay`]). The kinematics of the other checks says nothing of a surface, and nothing of
 //! a flow angle in gusts; here the gusts help, because in still air the flow angle is so tied to the pitch rate and the
 //! surface that its delay cannot be told from other coefficients, and its standard error is large.
 
@@ -9,9 +9,10 @@ use phugoid_flight_data::statistics::median;
 
 use super::Finding;
 use crate::model_file::InputHold;
+use crate::preparation::reaction::delay::SurfaceDelay;
 use crate::preparation::windows::SIGNIFICANT;
 use crate::preparation::windows::channels::Channels;
-use crate::preparation::windows::delay::{Causes, Delay, SurfaceDelay, product, scales};
+use crate::preparation::windows::delay::{Causes, Delay, product, scales};
 use crate::preparation::windows::regression::integral;
 
 /// Channels of the symmetric motion in the order in which they are used.
@@ -29,7 +30,7 @@ const CHORDS_AHEAD: f64 = 2.0;
 
 /// What is wrong with the time of a surface, given how the model moves it between samples.
 pub(super) fn surface(found: &SurfaceDelay, hold: InputHold) -> Option<Finding> {
-    let SurfaceDelay { name, delay: Delay { late_s, std_s, .. }, step_s } = *found;
+    let SurfaceDelay { name, late_s, std_s, step_s } = *found;
     // Straight lines between the samples of a held input are half a sample early.
     let late_s = if hold == InputHold::Held { late_s + 0.5 * step_s } else { late_s };
     (late_s.abs() > (SIGNIFICANT * std_s).max(SURFACE_SAMPLES * step_s)).then(|| Finding {
@@ -46,7 +47,7 @@ pub(super) fn surface(found: &SurfaceDelay, hold: InputHold) -> Option<Finding> 
 }
 
 fn flow_angle(name: &'static str, delay: Delay, step_s: f64, ahead_s: f64) -> Option<Finding> {
-    let Delay { late_s: late, std_s: std, .. } = delay;
+    let Delay { late_s: late, std_s: std } = delay;
     let least = if late > 0.0 { FLOW_SAMPLES * step_s } else { ahead_s.max(FLOW_SAMPLES * step_s) };
     (late.abs() > (SIGNIFICANT * std).max(least)).then(|| Finding {
         channel: name,
@@ -71,7 +72,7 @@ pub(super) fn longitudinal(channels: &Channels, chord: f64) -> Option<Vec<Findin
     let lift = integral(time_s, az);
     let force = Causes { time_s, step_s, signal: &lift, others, late: 0, cause: alpha, pressure: &pressure };
     let ahead_s = CHORDS_AHEAD * chord / median(&mut speed.to_vec())?;
-    Some(force.delay(false).and_then(|delay| flow_angle("alpha", delay, step_s, ahead_s)).into_iter().collect())
+    Some(force.delay().and_then(|delay| flow_angle("alpha", delay, step_s, ahead_s)).into_iter().collect())
 }
 
 /// The vane of the angle of sideslip. `chord` in m.
@@ -85,13 +86,13 @@ pub(super) fn lateral(channels: &Channels, chord: f64) -> Option<Vec<Finding>> {
     let side = integral(time_s, ay);
     let force = Causes { time_s, step_s, signal: &side, others, late: 0, cause: beta, pressure: &pressure };
     let ahead_s = CHORDS_AHEAD * chord / median(&mut speed.to_vec())?;
-    Some(force.delay(false).and_then(|delay| flow_angle("beta", delay, step_s, ahead_s)).into_iter().collect())
+    Some(force.delay().and_then(|delay| flow_angle("beta", delay, step_s, ahead_s)).into_iter().collect())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::preparation::windows::delay::elevator;
+    use crate::preparation::reaction::elevator;
 
     const STEP_S: f64 = 0.02;
 

@@ -1,5 +1,5 @@
 //! Regressions over short windows of a flight, from which constants and drifts are taken out: they need no model of the
-//! aircraft, and show whether sensors agree and at what time surfaces and vanes were recorded.
+//! aircraft, and show whether sensors agree and at what time vanes were recorded.
 
 pub(crate) mod channels;
 pub(crate) mod delay;

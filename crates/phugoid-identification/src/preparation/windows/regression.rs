@@ -17,8 +17,6 @@ pub(crate) struct Factors<const C: usize> {
     pub(crate) std: SVector<f64, C>,
     /// Share of the motion of the signal that is left, without its white noise: what is left in still air is little.
     pub(crate) unexplained: f64,
-    /// The same without the last of the causes.
-    pub(crate) unexplained_without_last: f64,
     /// The factors without one of the windows, for each of them.
     without_one: Vec<SVector<f64, C>>,
 }
@@ -120,7 +118,6 @@ pub(crate) fn factors<const C: usize>(
         windows.iter().map(|(n, r)| 2.0 * value.dot(r) - value.dot(&(n * value))).sum()
     };
     let explained = explained_by(&value);
-    let explained_without_last = explained_by(&without_last(&windows)?);
     let n = windows.len() as f64;
     let without_one: Vec<SVector<f64, C>> = (0..windows.len()).map(|i| all(Some(i))).collect::<Option<_>>()?;
     let mut sum = SVector::<f64, C>::zeros();
@@ -131,27 +128,7 @@ pub(crate) fn factors<const C: usize>(
     let std = (sum * ((n - 1.0) / n)).map(f64::sqrt);
     let moved = motion - noise;
     let unexplained = |explained: f64| ((moved - explained) / moved).max(0.0);
-    (moved > 0.0).then(|| Factors {
-        value,
-        std,
-        unexplained: unexplained(explained),
-        unexplained_without_last: unexplained(explained_without_last),
-        without_one,
-    })
-}
-
-/// The factors of all causes but the last, whose factor is zero.
-fn without_last<const C: usize>(windows: &[(SMatrix<f64, C, C>, SVector<f64, C>)]) -> Option<SVector<f64, C>> {
-    let (mut normal, mut right) = (SMatrix::<f64, C, C>::zeros(), SVector::<f64, C>::zeros());
-    for (n, r) in windows {
-        normal += n;
-        right += r;
-    }
-    normal.row_mut(C - 1).fill(0.0);
-    normal.column_mut(C - 1).fill(0.0);
-    normal[(C - 1, C - 1)] = 1.0;
-    right[C - 1] = 0.0;
-    solved(&normal, &right)
+    (moved > 0.0).then(|| Factors { value, std, unexplained: unexplained(explained), without_one })
 }
 
 /// Solves with causes of unit size, so that the units do not decide what can be told apart.

@@ -1,0 +1,95 @@
+//! At what time each control surface was recorded, by when the aircraft reacts to it.
+//!
+//! A surface makes a moment at once. So the equation of the angular rate about its axis has the time of the surface as
+//! one of its parameters, beside derivatives that need not be known ([`equation`]). What is found is the time that makes
+//! the record most likely, and its standard error.
+
+pub(crate) mod delay;
+mod equation;
+mod samples;
+mod whitening;
+
+use crate::model_file::ModelFile;
+use crate::motion::Motion;
+use crate::preparation::prepared::Prepared;
+use crate::preparation::windows::channels::Channels;
+use crate::preparation::windows::delay::{product, scales};
+use delay::SurfaceDelay;
+use equation::{Equation, late};
+
+/// Channels of the pitching moment, and the accelerometer that some aircraft have.
+const PITCH: [&str; 5] = ["true_airspeed", "alpha", "q", "elevator", "az"];
+/// Channels of the rolling and the yawing moment.
+const ROLL_AND_YAW: [&str; 6] = ["true_airspeed", "beta", "p", "r", "aileron", "rudder"];
+
+/// When the surfaces of a flight were recorded; those of which the flight says it.
+pub(crate) fn surfaces<M: Motion<N, R>, const N: usize, const R: usize>(
+    prepared: &Prepared<M, N, R>,
+    file: &ModelFile,
+) -> Vec<SurfaceDelay> {
+    let mut found = Vec::new();
+    if M::AXES.has_longitudinal() {
+        // The accelerometer is a help, and not needed.
+        let channels = Channels::of(prepared, file, &PITCH).or_else(|| Channels::of(prepared, file, &PITCH[..4]));
+        found.extend(channels.and_then(|channels| elevator(&channels)));
+    }
+    if M::AXES.has_lateral() {
+        found.extend(Channels::of(prepared, file, &ROLL_AND_YAW).iter().filter_map(aileron_and_rudder).flatten());
+    }
+    found
+}
+
+/// The elevator's, by the pitching moment, from the channels of [`PITCH`] with or without the accelerometer.
+///
+/// The downwash of the wing reaches the tail late: the moment follows the rate of the flow angle, too, which is
+/// `q + (az + g)/V` in level flight. The rate `q` is in the equation, and the accelerometer is one more cause.
+pub(crate) fn elevator(channels: &Channels) -> Option<SurfaceDelay> {
+    let ([speed, alpha, q, elevator], az) = match channels.values::<5>() {
+        Some([speed, alpha, q, elevator, az]) => ([speed, alpha, q, elevator], Some(az)),
+        None => (channels.values::<4>()?, None),
+    };
+    let (pressure, _) = scales(speed)?;
+    let mut causes = vec![product(&pressure, &about_mean(alpha))];
+    causes.extend(az.map(about_mean));
+    time_of("elevator", channels, q, causes, &product(&pressure, &about_mean(elevator)))
+}
+
+/// The aileron's by the rolling moment, and the rudder's by the yawing moment.
+fn aileron_and_rudder(channels: &Channels) -> Option<Vec<SurfaceDelay>> {
+    let [speed, beta, p, r, aileron, rudder] = channels.values::<6>()?;
+    let (pressure, relative) = scales(speed)?;
+    let by_pressure = |values: &[f64]| product(&pressure, &about_mean(values));
+    let (aileron, rudder) = (by_pressure(aileron), by_pressure(rudder));
+    let of = |name, rate, other_rate: &[f64], surface: &[f64], other: &[f64]| {
+        // The other surface may be late, too: to the first order its delay is a factor on its rate.
+        let causes = vec![
+            by_pressure(beta),
+            product(&relative, other_rate),
+            other.to_vec(),
+            samples::rate(&channels.time_s, other),
+        ];
+        time_of(name, channels, rate, causes, surface)
+    };
+    Some(
+        [of("aileron", p, r, &aileron, &rudder), of("rudder", r, p, &rudder, &aileron)].into_iter().flatten().collect(),
+    )
+}
+
+fn time_of(
+    name: &'static str,
+    channels: &Channels,
+    rate: &[f64],
+    causes: Vec<Vec<f64>>,
+    surface: &[f64],
+) -> Option<SurfaceDelay> {
+    let step_s = channels.step_s()?;
+    let equation = Equation { time_s: &channels.time_s, step_s, rate, causes, surface };
+    let (late_s, std_s) = late(&equation)?;
+    Some(SurfaceDelay { name, late_s, std_s, step_s })
+}
+
+/// Values less their mean: noise of the dynamic pressure then multiplies what moves alone.
+fn about_mean(values: &[f64]) -> Vec<f64> {
+    let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
+    values.iter().map(|value| value - mean).collect()
+}
