@@ -1,7 +1,7 @@
 //! Trims, derivatives and modes of the Generic Transport Model, undamaged and with its six cases of damage, as the tables of
 //! `docs/transport.md`:
 //!
-//! `cargo run -p phugoid-aircraft --example transport -- FOLDER [SPEED] [ALTITUDE]`
+//! `cargo run -p phugoid-aircraft --example transport_trims -- FOLDER [SPEED] [ALTITUDE]`
 //!
 //! with the folder of `vehicle.json` and `tables`, true airspeed in m/s (40 by default) and altitude in m (300 by default).
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // a program to be read
