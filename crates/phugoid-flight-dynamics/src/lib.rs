@@ -27,6 +27,7 @@ pub mod longitudinal;
 pub mod mass;
 #[cfg(feature = "std")]
 pub mod modes;
+pub mod modified;
 pub mod motion;
 pub mod rigid_body;
 pub mod scalar;

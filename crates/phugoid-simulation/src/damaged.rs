@@ -2,11 +2,11 @@
 //! surfaces that have lost a part, another mass, centre of gravity and thrust.
 
 use phugoid_flight_dynamics::actuator::Actuators;
-use phugoid_flight_dynamics::aircraft::{AirData, Aircraft, Coefficients, Controls, DataRange, Geometry, Propulsion};
-use phugoid_flight_dynamics::atmosphere::Atmosphere;
+use phugoid_flight_dynamics::aircraft::{AirData, Aircraft, Coefficients, Controls, Propulsion};
 use phugoid_flight_dynamics::fuel::Burnt;
 use phugoid_flight_dynamics::increments::lift_drag_to_body;
 use phugoid_flight_dynamics::mass::MassProperties;
+use phugoid_flight_dynamics::modified::Modified;
 use phugoid_flight_dynamics::scalar::Scalar;
 use phugoid_flight_dynamics::trim::Trim;
 
@@ -68,6 +68,14 @@ impl Effects {
             thrust_arm: between(self.thrust_arm, other.thrust_arm),
         }
     }
+
+    /// Mass and inertia with these effects. Factors that are not positive leave them as they are.
+    fn on_mass(&self, whole: &MassProperties) -> MassProperties {
+        if self.mass == 1.0 && self.inertia == [1.0; 3] {
+            return *whole;
+        }
+        whole.changed(self.mass, self.inertia).unwrap_or(*whole)
+    }
 }
 
 /// An aircraft with [`Effects`] of damage, and with actuators that may have become slower.
@@ -85,13 +93,10 @@ impl<'a, A: Aircraft> Damaged<'a, A> {
     /// `aircraft` with these effects; couplings count from the angle of attack and the elevator of `trim`. Factors on mass and
     /// inertia that are not positive leave them as they are (scenario files refuse such factors).
     pub fn new(aircraft: &'a A, effects: Effects, trim: &Trim) -> Self {
-        let known = aircraft.mass_properties();
-        let unchanged = effects.mass == 1.0 && effects.inertia == [1.0; 3];
-        let mass = if unchanged { None } else { known.changed(effects.mass, effects.inertia) };
         Self {
             aircraft,
             effects,
-            mass: mass.unwrap_or(*known),
+            mass: effects.on_mass(aircraft.mass_properties()),
             actuators: *aircraft.actuators(),
             alpha_reference: trim.alpha_rad,
             elevator_reference: trim.elevator_rad,
@@ -115,21 +120,15 @@ impl<'a, A: Aircraft> Damaged<'a, A> {
     }
 }
 
-impl<A: Aircraft> Aircraft for Damaged<'_, A> {
-    fn geometry(&self) -> &Geometry {
-        self.aircraft.geometry()
+impl<A: Aircraft> Modified for Damaged<'_, A> {
+    type Unmodified = A;
+
+    fn unmodified(&self) -> &A {
+        self.aircraft
     }
 
     fn mass_properties(&self) -> &MassProperties {
         &self.mass
-    }
-
-    fn gravity(&self) -> f64 {
-        self.aircraft.gravity()
-    }
-
-    fn atmosphere(&self) -> Atmosphere {
-        self.aircraft.atmosphere()
     }
 
     fn coefficients<T: Scalar>(&self, air: &AirData<T>, rates: [T; 3], controls: &Controls<T>) -> Coefficients<T> {
@@ -198,24 +197,11 @@ impl<A: Aircraft> Aircraft for Damaged<'_, A> {
 
     fn after_burning(&self, fuel: f64) -> Option<Burnt> {
         let burnt = self.aircraft.after_burning(fuel)?;
-        let mass = burnt.mass.changed(self.effects.mass, self.effects.inertia)?;
-        Some(Burnt { mass, ..burnt })
-    }
-
-    fn power_rate<T: Scalar>(&self, throttle: T, power: T) -> T {
-        self.aircraft.power_rate(throttle, power)
-    }
-
-    fn steady_power<T: Scalar>(&self, throttle: T) -> T {
-        self.aircraft.steady_power(throttle)
+        Some(Burnt { mass: self.effects.on_mass(&burnt.mass), ..burnt })
     }
 
     fn actuators(&self) -> &Actuators {
         &self.actuators
-    }
-
-    fn data_range(&self) -> DataRange {
-        self.aircraft.data_range()
     }
 }
 

@@ -1,5 +1,6 @@
 //! What is known of the flight at one moment, and the properties of JSBSim that follow from it.
 
+use phugoid_flight_dynamics::atmosphere::Air;
 use phugoid_flight_dynamics::scalar::Scalar;
 
 use super::mass::{Metrics, arm_ft};
@@ -38,6 +39,26 @@ pub struct FlightCondition {
 }
 
 impl FlightCondition {
+    /// Flow along body x at a true airspeed (m/s), level and without rotation, at a height above the sea (m), over ground at its
+    /// level, in this air.
+    pub fn axial(airspeed_m_s: f64, height_m: f64, air: &Air) -> Self {
+        Self {
+            airspeed_m_s,
+            alpha_rad: 0.0,
+            beta_rad: 0.0,
+            alphadot_rad_s: 0.0,
+            betadot_rad_s: 0.0,
+            rates_rad_s: [0.0; 3],
+            attitude_rad: [0.0; 3],
+            height_m,
+            height_above_ground_m: height_m,
+            density_kg_m3: air.density,
+            pressure_pa: air.pressure,
+            temperature_k: air.temperature,
+            sound_speed_m_s: air.speed_of_sound,
+        }
+    }
+
     /// Dynamic pressure, Pa.
     pub fn dynamic_pressure_pa(&self) -> f64 {
         0.5 * self.density_kg_m3 * self.airspeed_m_s * self.airspeed_m_s

@@ -177,37 +177,31 @@ fn text(document: &Document, flight: &Flight) -> String {
 /// longer describe the aircraft, or that of the engine, or that has no fuel left.
 fn beyond_the_tables(flight: &Flight) -> Vec<String> {
     let (truth, range) = (&flight.truth, &flight.data_range);
+    let aerodynamic = ("the aerodynamic tables", "extrapolation");
+    let of_engine = ("the tables of the engine", "as at their end");
     let ranges = [
-        ("alpha", range.alpha),
-        ("beta", range.beta),
-        ("elevator", range.elevator),
-        ("aileron", range.aileron),
-        ("rudder", range.rudder),
+        ("alpha", " deg", range.alpha, aerodynamic),
+        ("beta", " deg", range.beta, aerodynamic),
+        ("elevator", " deg", range.elevator, aerodynamic),
+        ("aileron", " deg", range.aileron, aerodynamic),
+        ("rudder", " deg", range.rudder, aerodynamic),
+        ("true_airspeed", " m/s", range.speed, of_engine),
+        ("mach", "", range.mach, of_engine),
+        ("altitude", " m", range.altitude, of_engine),
     ];
-    // Limits are stated in degrees: what the conversion there and back adds is taken off again.
-    let degrees = |limit: f64| (limit.to_degrees() * 1e6).round() / 1e6;
-    let ranges = ranges.into_iter().map(|(name, [low, high])| (name, degrees(low), degrees(high)));
-    let first = |(name, low, high): (&str, f64, f64)| {
+    let first = |(name, unit, limits, (tables, then)): (&str, &str, [f64; 2], (&str, &str))| {
+        let is_angle = unit == " deg";
+        let shown = |value: f64| if is_angle { value.to_degrees() } else { value };
+        // Limits are stated in degrees: what the conversion there and back adds is taken off again.
+        let [low, high] = if is_angle { limits.map(|limit| (shown(limit) * 1e6).round() / 1e6) } else { limits };
+        let slack = if is_angle { 1e-6 } else { 0.0 };
+        let inside = |value: f64| (low - slack..=high + slack).contains(&shown(value));
         let values = &truth.channel(name)?.values;
-        let inside = |value: f64| (low - 1e-6..=high + 1e-6).contains(&value.to_degrees());
         let k = values.iter().position(|value| value.is_finite() && !inside(*value))?;
-        Some(format!(
-            "{name} leaves the aerodynamic tables ({low} to {high} deg) at {:.2} s; what follows is extrapolation",
-            truth.time.get(k)?
-        ))
+        let time = truth.time.get(k)?;
+        Some(format!("{name} leaves {tables} ({low} to {high}{unit}) at {time:.2} s; what follows is {then}"))
     };
-    let mut warnings: Vec<String> = ranges.filter_map(first).collect();
-    let of_engine =
-        [("true_airspeed", "m/s", range.speed), ("mach", "", range.mach), ("altitude", "m", range.altitude)];
-    warnings.extend(of_engine.into_iter().filter_map(|(name, unit, [low, high])| {
-        let values = &truth.channel(name)?.values;
-        let k = values.iter().position(|value| value.is_finite() && !(low..=high).contains(value))?;
-        Some(format!(
-            "{name} leaves the tables of the engine ({low} to {high}{}{unit}) at {:.2} s; what follows is as at their end",
-            if unit.is_empty() { "" } else { " " },
-            truth.time.get(k)?
-        ))
-    }));
+    let mut warnings: Vec<String> = ranges.into_iter().filter_map(first).collect();
     if let Some(time) = flight.out_of_fuel_s {
         warnings.push(format!("the fuel is burnt at {time:.2} s; from then on there is no thrust"));
     }

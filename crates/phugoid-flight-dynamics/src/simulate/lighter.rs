@@ -1,10 +1,9 @@
 //! An aircraft that has burnt some of its fuel.
 
-use crate::actuator::Actuators;
-use crate::aircraft::{AirData, Aircraft, Coefficients, Controls, DataRange, Geometry, Propulsion};
-use crate::atmosphere::Atmosphere;
+use crate::aircraft::{AirData, Aircraft, Coefficients, Controls, Geometry, Propulsion};
 use crate::fuel::Burnt;
 use crate::mass::MassProperties;
+use crate::modified::Modified;
 use crate::scalar::Scalar;
 
 /// An aircraft that has burnt some of its fuel.
@@ -23,21 +22,19 @@ impl<'a, A: Aircraft> Lighter<'a, A> {
     }
 }
 
-impl<A: Aircraft> Aircraft for Lighter<'_, A> {
+impl<A: Aircraft> Modified for Lighter<'_, A> {
+    type Unmodified = A;
+
+    fn unmodified(&self) -> &A {
+        self.aircraft
+    }
+
     fn geometry(&self) -> &Geometry {
         &self.geometry
     }
 
     fn mass_properties(&self) -> &MassProperties {
         &self.now.mass
-    }
-
-    fn gravity(&self) -> f64 {
-        self.aircraft.gravity()
-    }
-
-    fn atmosphere(&self) -> Atmosphere {
-        self.aircraft.atmosphere()
     }
 
     fn coefficients<T: Scalar>(&self, air: &AirData<T>, rates: [T; 3], controls: &Controls<T>) -> Coefficients<T> {
@@ -70,29 +67,5 @@ impl<A: Aircraft> Aircraft for Lighter<'_, A> {
     ) -> Option<Coefficients<T>> {
         let blown = self.aircraft.slipstream_coefficients(propulsion, air, rates, controls)?;
         Some(blown.about(self.now.shift, &self.geometry))
-    }
-
-    fn fuel_flow(&self, power: f64, altitude: f64, mach: f64) -> f64 {
-        if self.now.left > 0.0 { self.aircraft.fuel_flow(power, altitude, mach) } else { 0.0 }
-    }
-
-    fn after_burning(&self, _fuel: f64) -> Option<Burnt> {
-        Some(self.now)
-    }
-
-    fn power_rate<T: Scalar>(&self, throttle: T, power: T) -> T {
-        self.aircraft.power_rate(throttle, power)
-    }
-
-    fn steady_power<T: Scalar>(&self, throttle: T) -> T {
-        self.aircraft.steady_power(throttle)
-    }
-
-    fn actuators(&self) -> &Actuators {
-        self.aircraft.actuators()
-    }
-
-    fn data_range(&self) -> DataRange {
-        self.aircraft.data_range()
     }
 }

@@ -249,21 +249,7 @@ fn a_propeller_of_jsbsim_is_the_same_in_a_model_file() {
     ] {
         let air = Atmosphere::Standard.at(altitude);
         evaluator.set("fcs/throttle-pos-norm", throttle);
-        evaluator.set_flight(&FlightCondition {
-            airspeed_m_s: speed,
-            alpha_rad: 0.0,
-            beta_rad: 0.0,
-            alphadot_rad_s: 0.0,
-            betadot_rad_s: 0.0,
-            rates_rad_s: [0.0; 3],
-            attitude_rad: [0.0; 3],
-            height_m: altitude,
-            height_above_ground_m: altitude,
-            density_kg_m3: air.density,
-            pressure_pa: air.pressure,
-            temperature_k: air.temperature,
-            sound_speed_m_s: air.speed_of_sound,
-        });
+        evaluator.set_flight(&FlightCondition::axial(speed, altitude, &air));
         let expected = evaluator.propulsive_force_moment();
         let rpm = evaluator.get("propulsion/engine/propeller-rpm").unwrap();
         let torque = -expected.moment_n_m[0];

@@ -72,21 +72,7 @@ impl Engines {
     /// Force (N) and moment (N m) at power (percent), altitude (m) and Mach number, in axial flow.
     pub(super) fn push(&self, aircraft: &Aircraft, [power, altitude, mach]: [f64; 3]) -> [f64; 6] {
         let air = Atmosphere::Standard.at(altitude);
-        let flight = FlightCondition {
-            airspeed_m_s: mach * air.speed_of_sound,
-            alpha_rad: 0.0,
-            beta_rad: 0.0,
-            alphadot_rad_s: 0.0,
-            betadot_rad_s: 0.0,
-            rates_rad_s: [0.0; 3],
-            attitude_rad: [0.0; 3],
-            height_m: altitude,
-            height_above_ground_m: altitude,
-            density_kg_m3: air.density,
-            pressure_pa: air.pressure,
-            temperature_k: air.temperature,
-            sound_speed_m_s: air.speed_of_sound,
-        };
+        let flight = FlightCondition::axial(mach * air.speed_of_sound, altitude, &air);
         let share = 0.01 * power.clamp(0.0, 100.0);
         let throttles = self.most.iter().map(|most| share * most);
         let sum = self

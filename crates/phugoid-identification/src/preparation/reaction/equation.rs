@@ -17,6 +17,7 @@ use nalgebra::{DMatrix, DVector};
 use super::samples::{rate, stretches};
 use super::whitening::{autoregression, whitened};
 use crate::preparation::resample::at_times;
+use crate::preparation::windows::regression::inverse_by_unit_size;
 
 /// Damping from which it is looked for, and the range in which it can be, 1/s: a moment that drives its own rate is none.
 const FIRST_DAMPING: f64 = -2.0;
@@ -301,11 +302,9 @@ fn normal(signals: &[Vec<Signal>], slopes: &[Vec<Signal>], count: usize) -> DMat
     normal
 }
 
-/// The inverse of a normal matrix, by columns of unit size, so that the units do not decide what can be told apart.
+/// The inverse of a normal matrix, by columns of unit size.
 fn inverse(normal: &DMatrix<f64>) -> Option<DMatrix<f64>> {
-    let unit = DVector::from_fn(normal.nrows(), |i, _| 1.0 / normal[(i, i)].sqrt());
-    let inverse =
-        DMatrix::from_fn(normal.nrows(), normal.ncols(), |a, b| unit[a] * normal[(a, b)] * unit[b]).try_inverse()?;
+    let (unit, inverse) = inverse_by_unit_size(normal.nrows(), |a, b| normal[(a, b)])?;
     let inverse = DMatrix::from_fn(normal.nrows(), normal.ncols(), |a, b| unit[a] * inverse[(a, b)] * unit[b]);
     Some(inverse).filter(|inverse| inverse.iter().all(|v| v.is_finite()))
 }

@@ -1,6 +1,6 @@
 //! Regression of a signal on its causes over short windows, from which constants and drifts are taken out.
 
-use nalgebra::{DMatrix, SMatrix, SVector};
+use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 
 use crate::preparation::noise::measure_noise;
 
@@ -131,12 +131,24 @@ pub(crate) fn factors<const C: usize>(
     (moved > 0.0).then(|| Factors { value, std, unexplained: unexplained(explained), without_one })
 }
 
-/// Solves with causes of unit size, so that the units do not decide what can be told apart.
+/// Solves with causes of unit size.
 fn solved<const C: usize>(normal: &SMatrix<f64, C, C>, right: &SVector<f64, C>) -> Option<SVector<f64, C>> {
-    let unit = SVector::<f64, C>::from_fn(|c, _| 1.0 / normal[(c, c)].sqrt());
-    // Of dynamic size: the inverse of a fixed size is compiled anew for every number of causes, and is long.
-    let inverse = DMatrix::from_fn(C, C, |a, b| unit[a] * normal[(a, b)] * unit[b]).try_inverse()?;
+    let (unit, inverse) = inverse_by_unit_size(C, |a, b| normal[(a, b)])?;
+    let unit = SVector::<f64, C>::from_fn(|c, _| unit[c]);
     let inverse = SMatrix::<f64, C, C>::from_fn(|a, b| inverse[(a, b)]);
     let value = (inverse * right.component_mul(&unit)).component_mul(&unit);
     Some(value).filter(|value| value.iter().all(|v| v.is_finite()))
+}
+
+/// Of a normal matrix of so many causes: what makes each of unit size, and the inverse of the matrix of those, so that the units do
+/// not decide what can be told apart. The inverse of the matrix itself is that times what makes row and column of unit size.
+///
+/// Of dynamic size: the inverse of a fixed size is compiled anew for every number of causes, and is long.
+pub(crate) fn inverse_by_unit_size(
+    count: usize,
+    normal: impl Fn(usize, usize) -> f64,
+) -> Option<(DVector<f64>, DMatrix<f64>)> {
+    let unit = DVector::from_fn(count, |c, _| 1.0 / normal(c, c).sqrt());
+    let inverse = DMatrix::from_fn(count, count, |a, b| unit[a] * normal(a, b) * unit[b]).try_inverse()?;
+    Some((unit, inverse))
 }
