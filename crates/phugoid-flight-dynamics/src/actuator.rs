@@ -22,6 +22,10 @@ pub struct Actuator {
 }
 
 impl Actuator {
+    /// The longest delay that files may give an actuator, s: no aircraft is flown with a longer one, and it is seconds in place of
+    /// milliseconds.
+    pub const LONGEST_DELAY: f64 = 1.0;
+
     /// An actuator without delay and play: limit (rad), rate limit (rad/s) and lag (s).
     pub const fn new(limit: f64, rate_limit: f64, lag: f64) -> Self {
         Self { limit, rate_limit, lag, delay: 0.0, play: 0.0 }

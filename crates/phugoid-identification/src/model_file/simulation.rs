@@ -57,11 +57,18 @@ pub(super) fn simulation(
     let actuator = |key: &str, standard: Actuator| -> Result<Actuator, ModelFileError> {
         let Some(inner) = section.section(key)? else { return Ok(standard) };
         inner.allow("key", ["limit", "rate_limit", "lag", "delay", "play"].into_iter())?;
+        let delay = inner.not_negative("delay", Dimension::TIME)?.unwrap_or(standard.delay);
+        if delay > Actuator::LONGEST_DELAY {
+            let most = Actuator::LONGEST_DELAY;
+            let message =
+                format!("`delay` is {delay} s: expected {most} s at most, e.g. \"20 ms\" for 20 milliseconds");
+            return Err(inner.error("delay", message));
+        }
         Ok(Actuator {
             limit: inner.positive("limit", Dimension::ANGLE)?.unwrap_or(standard.limit),
             rate_limit: inner.positive("rate_limit", Dimension::ANGULAR_RATE)?.unwrap_or(standard.rate_limit),
             lag: inner.positive("lag", Dimension::TIME)?.unwrap_or(standard.lag),
-            delay: inner.not_negative("delay", Dimension::TIME)?.unwrap_or(standard.delay),
+            delay,
             play: inner.not_negative("play", Dimension::ANGLE)?.unwrap_or(standard.play),
         })
     };

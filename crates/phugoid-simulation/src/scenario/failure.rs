@@ -87,6 +87,12 @@ impl Failure {
             }
             FailureKind::Delay => {
                 needs(self.delay.is_some_and(|delay| delay.si() > 0.0), "delay")?;
+                if let Some(delay) = self.delay.filter(|delay| delay.si() > Actuator::LONGEST_DELAY) {
+                    let most = Actuator::LONGEST_DELAY;
+                    return Err(format!(
+                        "the delay of the {name} is {delay}: expected {most} s at most, e.g. \"20 ms\""
+                    ));
+                }
                 of_actuator("delay")?;
             }
             FailureKind::Play => {

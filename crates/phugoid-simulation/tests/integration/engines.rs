@@ -418,6 +418,7 @@ fn engines_that_cannot_be_are_refused_with_their_place() {
         (refused("[simulation]\nelevator = { play = \"-1 deg\" }\n"), "expected zero or more"),
         (refused("[simulation]\nelevator = { delay = \"1 deg\" }\n"), "not a unit of a time"),
         (refused("[simulation]\nelevator = { deley = 1 }\n"), "did you mean `delay`?"),
+        (refused("[simulation]\nelevator = { delay = 20 }\n"), "`delay` is 20 s: expected 1 s at most"),
         (refused("[simulation.fuel]\nmass = \"-5 kg\"\n"), "expected more than zero"),
         (refused("[simulation.fuel]\nmass = \"9 t\"\nflow_by_thrust = 1e-5\n"), "it has to be less"),
         (refused("[simulation.fuel]\nmass = 5\n"), "flow_by_power with a propeller"),
