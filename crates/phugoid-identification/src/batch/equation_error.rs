@@ -4,6 +4,7 @@ use crate::core::options::{CAPACITY, Likelihood};
 use phugoid_estimators::discretization::IntervalInput;
 use phugoid_estimators::{LinearizedOutputs, LinearizedRates};
 
+use super::believed;
 use super::differentiate::{LocalCubics, half_window_s};
 use super::error::BatchError;
 use super::layout::Layout;
@@ -82,7 +83,11 @@ pub fn equation_error<const N: usize, const R: usize>(
     settings: &EquationErrorSettings,
 ) -> Result<EquationErrorFit, BatchError> {
     let (layout, measured) = smoothed(manoeuvres, structure, settings)?;
-    let minimum = regression(manoeuvres, &measured, settings, &layout, FINE)?;
+    let (minimum, start) = believed::lowest(
+        layout.start(),
+        |start| regression(manoeuvres, &measured, settings, &layout, start, FINE),
+        |fitted: &Fitted<R>| &fitted.rows,
+    )?;
     let Fitted { rows, noise_std } = &minimum.evaluation.detail;
     let mut fit = summarise(&Summary {
         method: "equation-error",
@@ -100,7 +105,7 @@ pub fn equation_error<const N: usize, const R: usize>(
             let with = |(index, outputs): (usize, &Vec<[f64; R]>)| measured[index].with(&manoeuvres[index], outputs);
             let noisy: Vec<Measured<N, R>> = noisy.iter().enumerate().map(with).collect();
             // Their difference is a fraction of a standard error or more, or of no interest.
-            regression(manoeuvres, &noisy, settings, &layout, ROUGH).ok().map(|minimum| minimum.unknowns)
+            regression(manoeuvres, &noisy, settings, &layout, start.clone(), ROUGH).ok().map(|minimum| minimum.unknowns)
         };
         if let Some(bias) = regressor_noise::bias(&outputs, &of_state, &minimum.unknowns, &solve) {
             regressor_noise::correct(&mut fit, &bias);
@@ -163,12 +168,13 @@ fn smoothed<const N: usize, const R: usize>(
 const FINE: f64 = 1e-6;
 const ROUGH: f64 = 1e-2;
 
-/// The weighted least squares themselves.
+/// The weighted least squares themselves, from these values of the unknowns.
 fn regression<const N: usize, const R: usize>(
     manoeuvres: &[Manoeuvre<'_, N, R>],
     measured: &[Measured<N, R>],
     settings: &EquationErrorSettings,
     layout: &Layout<N>,
+    start: Vec<f64>,
     step_tolerance: f64,
 ) -> Result<Minimum<Fitted<R>>, BatchError> {
     let every: Vec<Rows<R>> = rows_of(manoeuvres, measured, layout, &layout.start(), &[true; R]);
@@ -180,7 +186,7 @@ fn regression<const N: usize, const R: usize>(
     let noise = [Noise::Estimated; R];
     // What is left of an equation is what its terms lack, in the manoeuvres, and no outliers: to count it less there would
     // hide it.
-    relaxation::fit(&layout.places, layout.start(), &noise, &floor, Loss::GAUSSIAN, &search, residuals)
+    relaxation::fit(&layout.places, start, &noise, &floor, Loss::GAUSSIAN, &search, residuals)
 }
 
 /// The equations of one manoeuvre at given parameters, without solving them: residuals (left side minus right side, in

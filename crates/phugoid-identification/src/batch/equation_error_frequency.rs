@@ -4,6 +4,7 @@ use crate::core::options::{Band, CAPACITY, Likelihood};
 use phugoid_estimators::discretization::IntervalInput;
 use phugoid_estimators::{LinearizedOutputs, LinearizedRates};
 
+use super::believed;
 use super::equation_error::{
     EquationErrorFit, EquationErrorSettings, equation_floor, needed, nothing_integrated, state_of,
 };
@@ -12,7 +13,7 @@ use super::in_band::{self, BandSummary, InBand};
 use super::layout::Layout;
 use super::loss::Loss;
 use super::measured::{Measured, Outliers};
-use super::optimise::{Minimum, OptimiserSettings};
+use super::optimise::OptimiserSettings;
 use super::problem::{Bias, Manoeuvre, Structure};
 use super::regression::equations;
 use super::regressor_noise;
@@ -92,12 +93,13 @@ pub fn equation_error_frequency<const N: usize, const R: usize>(
     let every = rows(&measured, &layout, &layout.start(), &[true; R]);
     let wanted = if settings.every_equation { [true; R] } else { needed(manoeuvres, &every, &layout) };
     let floor = equation_floor(&every);
-    let solve = |measured: &[Measured<N, R>], step_tolerance: f64| -> Result<Minimum<InBand<R>>, BatchError> {
+    let solve = |measured: &[Measured<N, R>], start: Vec<f64>, step_tolerance: f64| {
         let search = OptimiserSettings { step_tolerance, ..OptimiserSettings::default() };
         let residuals = |unknowns: &[f64]| Ok(rows(measured, &layout, unknowns, &wanted));
-        in_band::fit(&layout.places, layout.start(), &spectrum, None, &floor, &search, residuals)
+        in_band::fit(&layout.places, start, &spectrum, None, &floor, &search, residuals)
     };
-    let minimum = solve(&measured, FINE)?;
+    let (minimum, start) =
+        believed::lowest(layout.start(), |start| solve(&measured, start, FINE), |found: &InBand<R>| &found.rows)?;
     let is_state: [bool; R] = std::array::from_fn(|i| state_of::<N, R>(manoeuvres, i).is_some());
     // The equation of a state has no measured left side of its own.
     let left = |m: &Measured<N, R>| -> Vec<[f64; R]> {
@@ -116,7 +118,7 @@ pub fn equation_error_frequency<const N: usize, const R: usize>(
     let with_noise = |noisy: &[Vec<[f64; R]>]| {
         let with = |(index, outputs): (usize, &Vec<[f64; R]>)| measured[index].with(&manoeuvres[index], outputs);
         let noisy: Vec<Measured<N, R>> = noisy.iter().enumerate().map(with).collect();
-        solve(&noisy, ROUGH).ok().map(|minimum| minimum.unknowns)
+        solve(&noisy, start.clone(), ROUGH).ok().map(|minimum| minimum.unknowns)
     };
     if let Some(bias) = regressor_noise::bias(&outputs, &is_state, &minimum.unknowns, &with_noise) {
         regressor_noise::correct(&mut fit, &bias);

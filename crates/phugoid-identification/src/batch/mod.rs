@@ -14,6 +14,7 @@
 //! A [`Manoeuvre`] is a flight's samples with the model of that flight, a [`Structure`] says what is unknown, and a
 //! [`BatchFit`] holds the estimates with their covariance and the fit. Equations and sources are in docs/methods.md.
 
+mod believed;
 mod bound;
 pub(crate) mod colour;
 mod constants;
