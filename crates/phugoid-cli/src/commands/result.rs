@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use phugoid_flight_data::quality::QualityReport;
 use phugoid_identification::batch::OutputFit;
 use phugoid_identification::estimation::{
-    BatchReport, EffectiveDerivative, Estimation, EstimationStatus, Event, FinalStatus, History, Offer,
-    ParameterResult, PredictionInterval, Readiness, Signal, TotalDerivative, VerdictReason, headline,
+    AdoptedChange, BatchReport, EffectiveDerivative, Estimation, EstimationStatus, Event, FinalStatus, History, Offer,
+    ParameterResult, PredictionInterval, Readiness, SecondAnswer, Signal, TotalDerivative, VerdictReason, headline,
 };
 use serde::Serialize;
 
@@ -43,6 +43,12 @@ pub(crate) struct Document<'a> {
     pub(crate) offer: Option<&'a Offer>,
     pub(crate) verdict: &'a [String],
     pub(crate) events: &'a [Event],
+    /// The changes that were adopted, with the estimates before and after each.
+    #[serde(skip_serializing_if = "<[_]>::is_empty")]
+    pub(crate) changes: &'a [AdoptedChange],
+    /// The parameters by a method of another kind.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) second_answer: Option<&'a SecondAnswer>,
     pub(crate) quality: &'a QualityReport,
     pub(crate) noise: Vec<Noise<'a>>,
     /// Path of the report, if one was written.
@@ -83,6 +89,8 @@ impl<'a> Document<'a> {
             offer: estimation.offer.as_ref(),
             verdict: &estimation.verdict,
             events: &estimation.events,
+            changes: &estimation.changes,
+            second_answer: estimation.second_answer.as_ref(),
             quality: &estimation.quality,
             noise: estimation.noise.iter().map(|s| Noise { name: &s.name, unit: &s.unit, sigma: sigma(s) }).collect(),
             report,

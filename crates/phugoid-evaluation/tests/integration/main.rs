@@ -19,4 +19,5 @@ mod manoeuvres;
 mod offer;
 mod predicted_bound;
 mod second_aircraft;
+mod second_answer;
 mod stack;

@@ -339,6 +339,10 @@ pub struct Estimation {
     /// The additional results of a batch method; `None` for a causal one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub batch: Option<BatchReport>,
+    /// The parameters by another method from the same samples: another answer to the same question. `None` where that gives
+    /// none, and of methods without one: RLS, Fourier regression and the reaching laws.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub second_answer: Option<SecondAnswer>,
 }
 
 /// How one measured output agreed with the predictions of a causal method.
@@ -431,10 +435,6 @@ pub struct BatchReport {
     pub manoeuvres: Vec<(String, Vec<OutputFit>)>,
     /// Equations with their terms, from equation error.
     pub equations: Vec<Equation>,
-    /// The parameters by another method: another answer to the same question. `None` where that gives none, which a note
-    /// says.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub second_answer: Option<SecondAnswer>,
     /// The band of a frequency-domain method; `None` of the others. Levels, fit and residuals are then those in the band.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub band: Option<BandUsed>,
@@ -447,8 +447,8 @@ pub struct BatchReport {
 /// The parameters by another method than that of the result.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SecondAnswer {
-    /// Equation error, which output error and filter error begin with; beside equation error the filter that takes the
-    /// record sample by sample.
+    /// Equation error, which output error and filter error begin with, and which stands beside SMPE and the EKF; beside
+    /// equation error the filter that takes the record sample by sample.
     pub method: Method,
     /// The parameters that it gives a number for.
     pub values: Vec<OtherValue>,

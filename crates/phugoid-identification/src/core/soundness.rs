@@ -83,7 +83,8 @@ pub enum ReasonCode {
     ChangeInDoubt,
     /// A term of the model is not the same before and after some time of the flight.
     NotConstant,
-    /// Equation error gives another value than the batch method.
+    /// A method of another kind gives another value: equation error beside a filter, output error or filter error, SMPE beside
+    /// equation error.
     MethodsDisagree,
     /// A reason that this version does not know.
     #[serde(other)]

@@ -162,7 +162,6 @@ mod tests {
             unknowns: Vec::new(),
             manoeuvres: vec![("the record".to_owned(), fits)],
             equations: Vec::new(),
-            second_answer: None,
             band: None,
             prediction: None,
             notes: Vec::new(),

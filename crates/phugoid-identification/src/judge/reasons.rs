@@ -50,7 +50,7 @@ pub(crate) fn reasons<M: Motion<N, R>, const N: usize, const R: usize>(
         // Causal methods look for changes themselves.
         found.extend(run.batch.as_ref().and(equations).and_then(constancy::reason));
         let method = task.method();
-        found.extend(run.batch.as_ref().and_then(|report| agreement::reason(method, parameters, report)));
+        found.extend(run.second_answer.as_ref().and_then(|answer| agreement::reason(method, parameters, answer)));
         found.extend(run.noise.and_then(|_| explained::reason(history)));
         found.extend(run.noise.and_then(|learnt| {
             let outputs = M::AXES.outputs().iter().zip(task.noise).zip(learnt.std);

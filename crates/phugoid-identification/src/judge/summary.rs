@@ -79,6 +79,7 @@ pub(crate) fn summarise<M: EveryRoom<N, R>, const N: usize, const R: usize>(
         consistency: consistency(file, run),
         history,
         batch: run.batch.clone(),
+        second_answer: run.second_answer.clone(),
     }
 }
 

@@ -102,7 +102,8 @@ pub(super) fn run_batch<M: MotionModel<N, R, CAPACITY>, const N: usize, const R:
         noise: None,
         excited: true,
         health: None,
-        batch: Some(BatchReport { second_answer, ..report(&fit, equations, prediction) }),
+        batch: Some(report(&fit, equations, prediction)),
+        second_answer,
         follows_constants: systematic.is_some(),
     };
     progress(1.0);
@@ -350,7 +351,7 @@ fn band<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
     })
 }
 
-fn others(fit: &BatchFit) -> Vec<OtherValue> {
+pub(super) fn others(fit: &BatchFit) -> Vec<OtherValue> {
     let parameters = fit.unknowns.iter().filter(|u| {
         matches!(u.kind, UnknownKind::Parameter { .. }) && !u.at_limit && u.corrected_std_error.is_finite()
     });
@@ -528,7 +529,6 @@ fn report(fit: &BatchFit, equations: Vec<Equation>, prediction: Option<Predictio
         unknowns: fit.unknowns.iter().filter(|u| is_additional(u.kind)).cloned().collect(),
         manoeuvres: fit.manoeuvres.iter().map(|m| (m.name.clone(), m.outputs.clone())).collect(),
         equations,
-        second_answer: None,
         band: fit.band.clone(),
         prediction,
         notes: fit.notes.clone(),

@@ -27,6 +27,7 @@ pub(crate) use predict::predict;
 pub use predict::{Predicted, PredictedParameter};
 pub(crate) use readiness::ColumnVerdict;
 pub(crate) use room::{EveryRoom, causal_run};
+pub(crate) use second::by_equations;
 pub(crate) use stepper::CausalRun;
 pub(crate) use task::{ColumnRun, Run, RunChange, Task};
 
@@ -43,7 +44,7 @@ pub(crate) fn run<M: EveryRoom<N, R>, const N: usize, const R: usize>(
         let mut run = batch::run_batch(task, progress)?;
         if let Some(report) = &mut run.batch {
             match second::by_filter(task) {
-                Ok(answer) => report.second_answer = Some(answer),
+                Ok(answer) => run.second_answer = Some(answer),
                 Err(error) => report.notes.push(format!("no second method stands beside these values: {error}")),
             }
         }

@@ -5,7 +5,7 @@ use phugoid_estimators::{DetectorReport, Innovations, ParameterStatus, Phase, St
 use super::consistency::OutputUse;
 use super::health_watch::HealthRun;
 use super::readiness::ColumnVerdict;
-use crate::core::estimation::{BatchReport, ChangeOutcome, Event};
+use crate::core::estimation::{BatchReport, ChangeOutcome, Event, SecondAnswer};
 use crate::core::health::HealthOptions;
 use crate::core::method::Method;
 use crate::core::options::EstimateOptions;
@@ -44,6 +44,8 @@ pub(crate) struct Run<const R: usize> {
     pub(crate) health: Option<HealthRun>,
     /// The additional results of a batch method; `None` for a causal one.
     pub(crate) batch: Option<BatchReport>,
+    /// The parameters by another method; `None` where it gives none.
+    pub(crate) second_answer: Option<SecondAnswer>,
     /// True if errors of the declared constants were followed, false if they are carried by the powers of the scales.
     pub(crate) follows_constants: bool,
 }

@@ -14,7 +14,7 @@ use crate::judge::offer::{
 };
 pub use crate::judge::offer::{tried_by_the_method, with_offered};
 use crate::judge::summary::summarise;
-use crate::methods::{EveryRoom, HealthRun, Task, run};
+use crate::methods::{EveryRoom, HealthRun, Task, by_equations, run};
 use crate::model_file::ModelFile;
 use crate::models::lateral::LateralModel;
 use crate::models::longitudinal::LongitudinalModel;
@@ -209,6 +209,9 @@ fn once<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     let first = if looks_back(&task) { 0.5 } else { 1.0 };
     let causal = run(&task, &mut |done| progress(first * done))?;
     let mut run = look_back(&task, causal, &mut |done| progress(first + (1.0 - first) * done))?;
+    if !task.method().is_batch() {
+        run.second_answer = by_equations(&task, &run);
+    }
     progress(1.0);
     let watched = run.health.take();
     let estimation = summarise(record, &task, &run, &doubts);

@@ -47,7 +47,7 @@ fn no_number_of_equation_error_differs_from_filter_error_without_a_word() {
         assert_eq!(found.status, EstimationStatus::Doubtful);
         let reason = found.reasons.iter().find(|reason| reason.code == ReasonCode::MethodsDisagree).unwrap();
         assert_eq!(reason.concerns, ["Cm_q"], "{}", reason.sentence);
-        let second = found.batch.as_ref().and_then(|report| report.second_answer.as_ref()).unwrap();
+        let second = found.second_answer.as_ref().unwrap();
         assert_eq!(second.method, Method::Smpe);
         assert!(reason.sentence.contains("by smpe"), "{}", reason.sentence);
     }

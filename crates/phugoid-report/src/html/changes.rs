@@ -78,7 +78,7 @@ fn one(estimation: &Estimation, change: &AdoptedChange) -> String {
 
 /// The parameters by this method and by the one that gives a second answer; empty where there is none.
 pub(super) fn methods(estimation: &Estimation) -> String {
-    let Some(other) = estimation.batch.as_ref().and_then(|batch| batch.second_answer.as_ref()) else {
+    let Some(other) = &estimation.second_answer else {
         return String::new();
     };
     let pairs: Vec<_> = estimation

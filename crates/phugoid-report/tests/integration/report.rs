@@ -6,8 +6,7 @@ use crate::synthetic;
 use markup::assert_balanced;
 use phugoid_identification::estimate::Method;
 use phugoid_identification::estimation::{
-    AdoptedChange, BatchReport, ChangeOutcome, ChangedParameter, Estimation, Event, EventKind, OtherValue,
-    SecondAnswer, Signal,
+    AdoptedChange, ChangeOutcome, ChangedParameter, Estimation, Event, EventKind, OtherValue, SecondAnswer, Signal,
 };
 use phugoid_report::figure::Body;
 use phugoid_report::{
@@ -122,20 +121,9 @@ fn before_and_after_of_a_change_and_a_second_method_stand_side_by_side() {
     let large = ChangedParameter { before: -0.5, after: -1.0, name: given.parameters[1].name.clone(), ..small.clone() };
     given.changes =
         vec![AdoptedChange { time_s: 4.56, outcome: ChangeOutcome::Confirmed, parameters: vec![small, large] }];
-    given.batch = Some(BatchReport {
-        iterations: 3,
-        cost: 1.0,
-        noise_std: Vec::new(),
-        unknowns: Vec::new(),
-        manoeuvres: Vec::new(),
-        equations: Vec::new(),
-        second_answer: Some(SecondAnswer {
-            method: Method::EquationError,
-            values: vec![OtherValue { name: name.clone(), value: 2.0, std_error: 0.5 }],
-        }),
-        band: None,
-        prediction: None,
-        notes: Vec::new(),
+    given.second_answer = Some(SecondAnswer {
+        method: Method::EquationError,
+        values: vec![OtherValue { name: name.clone(), value: 2.0, std_error: 0.5 }],
     });
     let page = page(&given);
     assert_balanced(&page);

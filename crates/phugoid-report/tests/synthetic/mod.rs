@@ -327,6 +327,7 @@ pub(crate) fn estimation(case: &Case) -> Estimation {
         noise: OUTPUTS.map(|(n, u, s)| Signal { values: vec![s], ..signal(n, u) }).to_vec(),
         consistency: Vec::new(),
         batch: None,
+        second_answer: None,
         history: History {
             inputs: vec![Signal {
                 values: time_s.iter().map(|t| input(*t) - 0.034).collect(),

@@ -1,0 +1,52 @@
+//! Equation error beside a filter, on foreign flights.
+
+use std::path::Path;
+
+use phugoid_flight_data::record::Record;
+use phugoid_identification::estimate::{EstimateOptions, Method, StructureSearch, estimate};
+use phugoid_identification::estimation::{Estimation, EstimationStatus, FinalStatus, ReasonCode};
+use phugoid_identification::model_file::ModelFile;
+
+/// CL_elevator of JSBSim's `pc7`, by least squares on the exact aerodynamics of the flight, per rad.
+const CL_ELEVATOR: f64 = 0.2692;
+
+/// A flight that is trimmed again on the way (`scripts/field/make.py`, develop, `retrim`), in which nothing changes.
+fn by(method: Method) -> Estimation {
+    let tests = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests");
+    let model = ModelFile::open(tests.join("field/develop/pc7/longitudinal.toml")).unwrap();
+    let record = Record::open(tests.join("second-answer/pc7-retrim.csv")).unwrap();
+    let options =
+        EstimateOptions { method: Some(method), structure: StructureSearch::Never, ..EstimateOptions::default() };
+    estimate(&record, &model, &options, &mut |_| ()).unwrap()
+}
+
+/// The filters give the elevator almost twice its lift here, with a bound that does not hold it, and nothing in their residuals
+/// shows it. The equations of motion do.
+#[test]
+fn a_filter_that_is_wrong_is_in_doubt_by_equation_error() {
+    for method in [Method::Smpe, Method::Ekf] {
+        let found = by(method);
+        let lift = found.parameter("CL_elevator").unwrap();
+        let off = (lift.value - CL_ELEVATOR).abs();
+        assert!(off > 4.0 * lift.corrected_std_error, "{method}: {} +- {}", lift.value, lift.corrected_std_error);
+
+        assert_eq!(found.status, EstimationStatus::Doubtful, "{method}: {:?}", found.verdict);
+        let reason = found.reasons.iter().find(|reason| reason.code == ReasonCode::MethodsDisagree).unwrap();
+        assert!(reason.concerns.contains(&"CL_elevator".to_owned()), "{method}: {}", reason.sentence);
+        assert!(reason.sentence.contains("by equation-error"), "{}", reason.sentence);
+        assert!(found.parameters.iter().all(|p| p.status != FinalStatus::Converged));
+
+        let second = found.second_answer.as_ref().unwrap();
+        assert_eq!(second.method, Method::EquationError);
+        let other = second.values.iter().find(|value| value.name == "CL_elevator").unwrap();
+        assert!((other.value - CL_ELEVATOR).abs() < 2.0 * other.std_error, "{} +- {}", other.value, other.std_error);
+    }
+}
+
+/// What equation error says stands in the result, whether it agrees or not; a regression has nothing beside it.
+#[test]
+fn only_filters_have_equation_error_beside_them() {
+    assert_eq!(by(Method::EquationError).second_answer.unwrap().method, Method::Smpe);
+    assert_eq!(by(Method::Smpe).second_answer.unwrap().method, Method::EquationError);
+    assert_eq!(by(Method::Rls).second_answer, None);
+}
