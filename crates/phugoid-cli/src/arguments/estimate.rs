@@ -64,7 +64,7 @@ pub(crate) struct Estimate {
     #[arg(long, conflicts_with = "no_change_detection")]
     pub(crate) change_detection: bool,
     /// Only what a live session would have known: do not look at the whole record again for changes that were not found
-    /// in flight
+    /// in flight, and hold no other method against the result
     #[arg(long)]
     pub(crate) causal_only: bool,
     /// What to do about terms that the equations of motion ask for and the model file lacks: offer them with their effect

@@ -37,13 +37,13 @@ pub(super) fn by_filter<M: EveryRoom<N, R>, const N: usize, const R: usize>(
 }
 
 /// The parameters of the task's record by equation error, from the samples since the last change that stands in the run: what
-/// it says is about the same aircraft as the estimates at the end. `None` where the equations give no answer, and of a method
-/// that is a regression itself or a law without a search for the best values.
+/// it says is about the same aircraft as the estimates at the end. `None` where the equations give no answer, where only what a live
+/// session would have had is asked for, and of a method that is a regression itself or a law without a search for the best values.
 pub(crate) fn by_equations<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     task: &Task<M, N, R>,
     run: &Run<R>,
 ) -> Option<SecondAnswer> {
-    if !task.method().learns_noise() || !run.excited {
+    if task.options.causal_only || !task.method().learns_noise() || !run.excited {
         return None;
     }
     let prepared = task.prepared;
