@@ -37,7 +37,7 @@ pub(super) fn informed_latency_s(drawn: &Drawn, model: &ModelFile, damage_at_s: 
     }
     let still = Scenario { gust: Vec::new(), turbulence: None, ..drawn.scenario.clone() };
     let flight = fly(&still)?;
-    let options = EstimateOptions { change_detection: Some(false), ..EstimateOptions::default() };
+    let options = EstimateOptions { change_detection: Some(false), ..EstimateOptions::causal() };
     // Without its gusts the aircraft may stray where with them it did not.
     let Some(held) = flight.truth.between(f64::NEG_INFINITY, flight.held_until_s()) else { return Ok(f64::INFINITY) };
     let estimation = estimate(&held, &known, &options, &mut |_| {})?;

@@ -164,7 +164,7 @@ fn one_run(drawn: &Drawn, model: &ModelFile, damage_at_s: f64) -> Result<Run, St
     let told = EstimateOptions {
         change_detection: Some(false),
         known_changes_s: vec![damage_at_s],
-        ..EstimateOptions::default()
+        ..EstimateOptions::causal()
     };
     let oracle = estimate(measured, model, &told, &mut |_| {})?;
     let after = |kind: EventKind| -> f64 {

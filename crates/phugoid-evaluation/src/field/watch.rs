@@ -1,7 +1,7 @@
 //! The health monitor on a flight of the field.
 
 use phugoid_flight_data::record::Record;
-use phugoid_identification::estimate::{EstimateOptions, StructureSearch};
+use phugoid_identification::estimate::EstimateOptions;
 use phugoid_identification::health::{Condition, FALSE_ALARMS_PER_HOUR, HealthOptions};
 use phugoid_identification::model_file::{Expectation, ModelFile};
 use phugoid_identification::monitor::monitor;
@@ -82,7 +82,7 @@ pub(super) fn watch(record: &Record, model: &ModelFile, truth: &Truth) -> Option
     let changed: Vec<String> =
         truth.change.iter().flat_map(|c| c.changes.keys()).filter(|name| is_expected(name)).cloned().collect();
     let count = expected.len();
-    let options = EstimateOptions { structure: StructureSearch::Never, ..EstimateOptions::default() };
+    let options = EstimateOptions::causal();
     let health = HealthOptions { expected, false_alarms_per_hour: FALSE_ALARMS_PER_HOUR };
     let (_, report) = monitor(record, model, &options, &health, &mut |_| {}).ok()?;
     Some(Watched {

@@ -10,6 +10,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::error::BatchError;
 use super::information::solve;
+use super::likelihood::Evaluation;
 use super::optimise::Minimum;
 use super::response::Rows;
 
@@ -26,44 +27,29 @@ const NOTICEABLE: f64 = 0.1;
 
 /// Squares and products of one equation at a point, in units of its residual there.
 struct Sums {
-    information: DMatrix<f64>,
-    descent: DVector<f64>,
+    products: Evaluation<()>,
     squares: f64,
     count: f64,
 }
 
 impl Sums {
     fn of<const R: usize>(rows: &[Rows<R>], output: usize, unknowns: usize) -> Self {
-        let mut sums = Self {
-            information: DMatrix::zeros(unknowns, unknowns),
-            descent: DVector::zeros(unknowns),
-            squares: 0.0,
-            count: 0.0,
-        };
-        for r in rows {
-            for (k, residuals) in r.residuals.iter().enumerate().filter(|(_, e)| e[output].is_finite()) {
-                let (residual, sensitivity) = (residuals[output], r.sensitivity(k, output));
-                for (&a, s) in r.columns.iter().zip(sensitivity).filter(|(_, s)| **s != 0.0) {
-                    sums.descent[a] += s * residual;
-                    for (&b, t) in r.columns.iter().zip(sensitivity) {
-                        sums.information[(a, b)] += s * t;
-                    }
-                }
-                sums.squares += residual * residual;
-                sums.count += 1.0;
-            }
-        }
-        sums
+        let residuals = || rows.iter().flat_map(|r| &r.residuals).map(|e| e[output]).filter(|e| e.is_finite());
+        let mut products = Evaluation::nothing(unknowns);
+        rows.iter().for_each(|r| products.add_of(r, |i| i == output));
+        Self { products, squares: residuals().map(|e| e * e).sum(), count: residuals().count() as f64 }
     }
 
     /// Mean square of the residual a step away. The equations are linear in the unknowns.
     fn mean_square(&self, step: &DVector<f64>) -> f64 {
-        let squares = self.squares - 2.0 * self.descent.dot(step) + step.dot(&(&self.information * step));
+        let Evaluation { descent, information, .. } = &self.products;
+        let squares = self.squares - 2.0 * descent.dot(step) + step.dot(&(information * step));
         (squares / self.count).max(LEAST)
     }
 
     fn shares(&self, other: &Self) -> bool {
-        (0..self.descent.len()).any(|j| self.information[(j, j)] > 0.0 && other.information[(j, j)] > 0.0)
+        let [own, others] = [self, other].map(|sums| sums.products.information.diagonal());
+        own.iter().zip(&others).any(|(a, b)| *a > 0.0 && *b > 0.0)
     }
 }
 
@@ -102,15 +88,15 @@ fn steps<const R: usize>(rows: &[Rows<R>], unknowns: usize) -> Vec<DVector<f64>>
 
 /// The step to the minimum that is reached where one equation is believed at first; none where the cost is not lower there.
 fn step(equations: &[Sums], believed: usize) -> Option<DVector<f64>> {
-    let unknowns = equations[believed].descent.len();
+    let unknowns = equations[believed].products.descent.len();
     let mut weights: Vec<f64> = (0..equations.len()).map(|i| if i == believed { BELIEVED } else { 1.0 }).collect();
     let mut step = DVector::zeros(unknowns);
     for _ in 0..STEPS {
         let mut information = DMatrix::zeros(unknowns, unknowns);
         let mut descent = DVector::zeros(unknowns);
         for (sums, weight) in equations.iter().zip(&weights) {
-            information += &sums.information * *weight;
-            descent += &sums.descent * *weight;
+            information += &sums.products.information * *weight;
+            descent += &sums.products.descent * *weight;
         }
         step = solve(&information, &descent, 0.0, &vec![false; unknowns])?;
         let next: Vec<f64> = equations.iter().map(|sums| 1.0 / sums.mean_square(&step)).collect();

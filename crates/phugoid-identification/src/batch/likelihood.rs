@@ -49,11 +49,16 @@ impl<T> Evaluation<T> {
     /// Adds the rows of one manoeuvre, already divided by one sigma: `sum w S^T nu` and `sum w S^T S` with the weights of
     /// their loss. The cost is left to the caller.
     pub(crate) fn add<const R: usize>(&mut self, rows: &Rows<R>) {
+        self.add_of(rows, |_| true);
+    }
+
+    /// [`add`](Self::add) with the rows of the wanted outputs alone.
+    pub(crate) fn add_of<const R: usize>(&mut self, rows: &Rows<R>, wanted: impl Fn(usize) -> bool) {
         let width = rows.columns.len();
         let mut information = DMatrix::<f64>::zeros(width, width);
         let mut descent = DVector::<f64>::zeros(width);
         for (k, residuals) in rows.residuals.iter().enumerate() {
-            for (i, residual) in residuals.iter().enumerate().filter(|(_, e)| e.is_finite()) {
+            for (i, residual) in residuals.iter().enumerate().filter(|(i, e)| wanted(*i) && e.is_finite()) {
                 let sensitivity = rows.sensitivity(k, i);
                 let weight = rows.loss.weight(*residual);
                 for b in 0..width {

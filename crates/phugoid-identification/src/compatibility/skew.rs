@@ -34,7 +34,7 @@ pub fn input_skew(record: &Record, model: &ModelFile, channel: &str) -> Result<I
     // The delay that is looked for is not to be taken out beforehand.
     let hold = if model.input == InputHold::Auto { InputHold::Interpolated } else { model.input };
     let model = &ModelFile { input: hold, ..model.clone() };
-    let options = EstimateOptions { change_detection: Some(false), ..EstimateOptions::default() };
+    let options = EstimateOptions { change_detection: Some(false), ..EstimateOptions::causal() };
     let mut tried = Vec::new();
     for k in -HALVES..=HALVES {
         let delay = f64::from(k) * step;

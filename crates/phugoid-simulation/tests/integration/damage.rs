@@ -137,6 +137,10 @@ fn mistakes_are_told_with_the_key() {
             ["position", "jam"],
         ),
         ("[[failure]]\nsurface = \"rudder\"\nat = \"-1 s\"\nkind = \"jam\"\n", ["rudder", "start"]),
+        (
+            "[[failure]]\nsurface = \"rudder\"\nat = \"1 s\"\nkind = \"delay\"\ndelay = \"20 s\"\n",
+            ["rudder", "expected 1 s at most"],
+        ),
     ] {
         let message = refusal(text);
         assert!(words.iter().all(|word| message.contains(word)), "{text}: {message}");
