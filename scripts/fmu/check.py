@@ -212,10 +212,16 @@ class Messages:
         return any(all(word in text for word in words) for text in self.texts)
 
 
+# FMPy changes the working directory of the process while it loads a library, and goes back to where it was: of two threads
+# that load at once one can leave the process in the folder of the FMU, which is removed later.
+LOADING = threading.Lock()
+
+
 def slave(description, folder, messages):
-    made = FMU3Slave(
-        guid=description.guid, unzipDirectory=folder, modelIdentifier=description.coSimulation.modelIdentifier, instanceName="one"
-    )
+    with LOADING:
+        made = FMU3Slave(
+            guid=description.guid, unzipDirectory=folder, modelIdentifier=description.coSimulation.modelIdentifier, instanceName="one"
+        )
     made.instantiate(logMessage=messages.callback)
     return made
 
