@@ -185,6 +185,45 @@ def structure_flights(spec: Aircraft, split: str, repetition: int | None = None)
     return _planned(spec, split, repetition, lists)
 
 
+def _other() -> list[tuple[str, list[dict]]]:
+    """Flights with inputs that the field has not: sweeps, multisines, slow waves, bank to bank, turns, all surfaces at once,
+    one short pulse alone, a record that begins within a manoeuvre, and a large change of speed."""
+    surfaces = ("elevator", "aileron", "rudder")
+    longitudinal = [
+        dict(name="sweep", group="sweep", duration=32.0, manoeuvres=(("sweep", "elevator", 3, 0.8, 29),), loop="damper"),
+        dict(name="sweep-light", group="sweep", duration=32.0, manoeuvres=(("sweep", "elevator", 3, 0.8, 29),), loop="damper", gust=0.8),
+        dict(name="multisine", group="multisine", duration=26.0, manoeuvres=(("multisine", "elevator", 3, 1.0, 23),)),
+        dict(name="multisine-light", group="multisine", duration=26.0, manoeuvres=(("multisine", "elevator", 3, 1.0, 23),), gust=0.8, rate_hz=25),
+        dict(name="waves", group="slow waves", duration=32.0, manoeuvres=(("waves", "elevator", 3, 0.8, 17), ("doublet", "elevator", 22, 1.0))),
+        dict(name="waves-alone", group="slow waves", duration=20.0, manoeuvres=(("waves", "elevator", 3, 0.8, 17),), gust=0.4),
+        dict(name="pulse", group="one pulse", duration=12.0, manoeuvres=(("pulse", "elevator", 4, 1.0),)),
+        dict(name="within", group="begins within", duration=20.0, manoeuvres=(("3211", "elevator", -1, 1.0),), gust=0.4),
+        dict(name="faster", group="other speed", duration=50.0, thrust=((5.0, 1.8),), loop="attitude",
+             manoeuvres=(("doublet", "elevator", 9, 1.0), ("3211", "elevator", 24, 0.8), ("doublet", "elevator", 40, 0.8))),
+    ]
+    lateral = [
+        dict(name="lat-bank", group="bank to bank", duration=32.0, loop="damper",
+             manoeuvres=(("to-and-fro", "aileron", 3, 2.2), ("doublet", "rudder", 11, 1.0), ("to-and-fro", "aileron", 18, 1.5), ("doublet", "rudder", 25, 0.8))),
+        dict(name="lat-multisine", group="multisine", duration=28.0, loop="attitude", manoeuvres=tuple(("multisine", s, 3, 1.2, 25) for s in surfaces[1:])),
+        dict(name="lat-sweep", group="sweep", duration=44.0, loop="attitude", gust=0.4,
+             manoeuvres=(("sweep", "aileron", 3, 1.0, 22), ("sweep", "rudder", 23, 0.8, 42))),
+    ]
+    turn = (("pulse", "aileron", 3, 2.2), ("doublet", "elevator", 7, 0.8), ("doublet", "rudder", 11, 0.8), ("3211", "elevator", 15, 0.7), ("doublet", "aileron", 23, 1.0))
+    six = [
+        dict(name="lat-six-multisine", group="all at once", duration=28.0, loop="attitude", manoeuvres=tuple(("multisine", s, 3, 1.0, 25) for s in surfaces)),
+        dict(name="lat-six-multisine-light", group="all at once", duration=28.0, loop="attitude", gust=0.8, manoeuvres=tuple(("multisine", s, 3, 1.0, 25) for s in surfaces)),
+        dict(name="lat-six-stick", group="all at once", loop="damper", gust=0.8, manoeuvres=tuple(("stick", s, 2 + k, 0.9, 28) for k, s in enumerate(surfaces))),
+        dict(name="lat-six-turn", group="turn", duration=30.0, loop="damper", manoeuvres=turn),
+    ]
+    return [("longitudinal", longitudinal), ("lateral", lateral), ("six", six)]
+
+
+def other_flights(spec: Aircraft, split: str, repetition: int | None = None) -> list[Plan]:
+    """Flights of one aircraft with inputs that the field has not."""
+    named = [(axes, [one | {"name": one["name"].replace("lat-", "lat-other-") if one["name"].startswith("lat-") else f"other-{one['name']}"} for one in list_]) for axes, list_ in _other()]
+    return _planned(spec, split, repetition, named)
+
+
 def flights(spec: Aircraft, split: str, repetition: int | None = None) -> list[Plan]:
     """The flights of one aircraft in one part of the field, or in another repetition of it."""
     return _planned(spec, split, repetition, (("longitudinal", _longitudinal()), ("lateral", _lateral())))

@@ -28,7 +28,7 @@ class Plan:
     seed: int
     duration: float = 30.0
     rate_hz: int = 50
-    # (pattern, surface, start s, factor on the amplitude); for "stick": (.., start, factor, end).
+    # (pattern, surface, start s, factor on the amplitude); for what lasts, as "stick", its end as well: (.., factor, end).
     manoeuvres: tuple = ()
     # "open", "damper", "attitude", or "stabilised": a flight control system with gains of its own for each flight.
     loop: str = "open"
@@ -201,6 +201,12 @@ def _commands(time, plan: Plan, m: dict, speed: float, rng) -> dict:
         amplitude = size[surface] * factor * rng.uniform(0.85, 1.15)
         if pattern == "stick":
             commands[surface] += inputs.stick(time, start, rest[0], 0.5 / unit[surface] ** 0.5, amplitude * 1.3, rng)
+        elif pattern == "sweep":
+            commands[surface] += inputs.sweep(time, start, rest[0], 1.0 / unit[surface], amplitude)
+        elif pattern == "multisine":
+            commands[surface] += inputs.multisine(time, start, rest[0], 1.0 / unit[surface], amplitude * 1.3, surface)
+        elif pattern == "waves":
+            commands[surface] += inputs.waves(time, start, rest[0], amplitude)
         else:
             sign = -1 if rng.random() < 0.5 else 1
             start = start + rng.uniform(-0.3, 0.3)

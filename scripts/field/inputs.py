@@ -22,7 +22,41 @@ def steps(time: np.ndarray, start: float, unit: float, pattern: tuple, amplitude
     return np.interp(time, knots, values, left=0.0, right=0.0)
 
 
-PATTERNS = {"3211": (3, -2, 1, -1), "doublet": (1, -1), "pulse": (1,), "2311": (2, -3, 1, -1)}
+PATTERNS = {"3211": (3, -2, 1, -1), "doublet": (1, -1), "pulse": (1,), "2311": (2, -3, 1, -1), "to-and-fro": (1, -2, 1)}
+
+# Which harmonics of its duration each surface has in a multisine: no two share one, so that they are orthogonal.
+HARMONICS = {"elevator": 0, "aileron": 1, "rudder": 2}
+
+
+def sweep(time: np.ndarray, start: float, end: float, highest_hz: float, amplitude: float) -> np.ndarray:
+    """A sine whose frequency grows with its logarithm from a twentieth of `highest_hz` to `highest_hz`."""
+    lowest, duration = highest_hz / 20, end - start
+    rate = math.log(highest_hz / lowest) / duration
+    within = np.clip(time - start, 0.0, duration)
+    return amplitude * _window(time, start, end) * np.sin(2 * math.pi * lowest / rate * (np.exp(rate * within) - 1))
+
+
+def multisine(time: np.ndarray, start: float, end: float, highest_hz: float, amplitude: float, surface: str) -> np.ndarray:
+    """Harmonics of the duration, every third one, up to `highest_hz` with phases after M. R. Schroeder (IEEE Transactions
+    on Information Theory 16, 1970) that keep the peak low; `amplitude` is the peak."""
+    duration = end - start
+    orders = np.arange(2 + HARMONICS[surface], max(int(highest_hz * duration), 8), 3)
+    k = np.arange(1, len(orders) + 1)
+    phases = -math.pi * k * (k - 1) / len(orders)
+    out = np.cos(2 * math.pi * np.outer(time - start, orders) / duration + phases).sum(axis=1)
+    inside = (time > start) & (time < end)
+    return out * _window(time, start, end) * amplitude / np.abs(out[inside]).max()
+
+
+def waves(time: np.ndarray, start: float, end: float, amplitude: float) -> np.ndarray:
+    """Two slow waves, as of pull-ups and push-overs."""
+    inside = (time > start) & (time < end)
+    return np.where(inside, amplitude * np.sin(4 * math.pi * (time - start) / (end - start)), 0.0)
+
+
+def _window(time: np.ndarray, start: float, end: float) -> np.ndarray:
+    """One from `start` to `end`, and zero outside, with half a second at either end in which it grows."""
+    return np.clip(np.minimum(time - start, end - time) / 0.5, 0.0, 1.0)
 
 
 def stick(time: np.ndarray, start: float, end: float, corner_hz: float, amplitude: float, rng) -> np.ndarray:
@@ -36,11 +70,10 @@ def stick(time: np.ndarray, start: float, end: float, corner_hz: float, amplitud
         first = a * first + (1 - a) * n
         second = a * second + (1 - a) * first
         out[k] = second
-    window = np.clip(np.minimum(time - start, end - time) / 0.5, 0.0, 1.0)
     inside = (time > start) & (time < end)
     if not inside.any():
         return np.zeros(len(time))
-    return out * window * amplitude / 3 / out[inside].std()
+    return out * _window(time, start, end) * amplitude / 3 / out[inside].std()
 
 
 def dryden(time: np.ndarray, speed: float, sigma: float, length: float, rng) -> np.ndarray:

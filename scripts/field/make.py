@@ -7,6 +7,7 @@
     scripts/field/make.py FOLDER --structure [...]
     scripts/field/make.py FOLDER --gliding [...]
     scripts/field/make.py FOLDER --quiet [...]
+    scripts/field/make.py FOLDER --other [...]
     scripts/field/make.py crates/phugoid-evaluation/tests/field --sample
 
 Needs `jsbsim` and `numpy` as pinned in tests/python/requirements.txt. The same numbers come out every time.
@@ -28,7 +29,7 @@ import instruments
 import model_file
 import truth
 from aircraft import FLEET, NEWCOMERS, STRANGERS
-from catalogue import FEEDBACK_REPETITIONS, REPETITIONS, SAMPLE, feedback_flights, flights, gliding_flights, quiet_flights, structure_flights
+from catalogue import FEEDBACK_REPETITIONS, REPETITIONS, SAMPLE, feedback_flights, flights, gliding_flights, other_flights, quiet_flights, structure_flights
 from fly import Plan, fly
 from simulator import Simulator
 
@@ -155,6 +156,7 @@ def main() -> None:
     others.add_argument("--feedback", action="store_true", help="stabilised aircraft in place of the field: flights with a flight control system")
     others.add_argument("--gliding", action="store_true", help="flights without thrust, in place of the field")
     others.add_argument("--quiet", action="store_true", help="flights without any manoeuvre, in place of the field")
+    others.add_argument("--other", action="store_true", help="flights with sweeps, multisines and other inputs that the field has not, in its place")
     others.add_argument("--structure", action="store_true", help="flights of aircraft with a term that no model file has, in place of the field")
     parser.add_argument("--exact", action="store_true", help="beside each record what happened without instruments, as NAME.exact.csv")
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
@@ -173,7 +175,8 @@ def main() -> None:
     if unknown := set(aircraft) - {spec.name for spec in everyone}:
         parser.error(f"no such aircraft: {', '.join(sorted(unknown))}; there are {', '.join(spec.name for spec in everyone)}")
     wanted = Wanted(arguments.only, arguments.sample)
-    catalogue = feedback_flights if arguments.feedback else structure_flights if arguments.structure else gliding_flights if arguments.gliding else quiet_flights if arguments.quiet else flights
+    kinds = {"feedback": feedback_flights, "structure": structure_flights, "gliding": gliding_flights, "quiet": quiet_flights, "other": other_flights}
+    catalogue = next((made for kind, made in kinds.items() if getattr(arguments, kind)), flights)
     jobs = [
         (spec, split, arguments.repetition, arguments.folder, arguments.step, wanted, arguments.exact, catalogue)
         for split in splits
