@@ -30,8 +30,20 @@ pub(super) fn bank<'a>(doubts: &Doubts<'a>) -> impl Fn(usize) -> f64 + use<'a> {
     move |k| bank.map_or(0.0, |phi| phi[k])
 }
 
-/// True if the flight path turns as `az` says, in averages over a second: `V (alpha' - q) = az cos a - ax sin a +
-/// (gravity)`.
+/// The rate that changes the angle of attack where the flight path does not turn, `q - tan b (p cos a + r sin a)`, by
+/// sample, rad/s; without sideslip where it is not known.
+pub(super) fn nose_rate<'a>(doubts: &Doubts<'a>, q: &'a [f64], alpha: &'a [f64]) -> impl Fn(usize) -> f64 + use<'a> {
+    let known = |name| doubts.values(name).filter(|_| !doubts.any(&[name]));
+    let (beta, p, r) = (known("beta"), known("p"), known("r"));
+    move |k| {
+        let at = |values: Option<&[f64]>| values.map_or(0.0, |values| values[k]);
+        let (sin, cos) = alpha[k].sin_cos();
+        q[k] - at(beta).tan() * (at(p) * cos + at(r) * sin)
+    }
+}
+
+/// True if the flight path turns as `az` says, in averages over a second: `V (alpha' - q + tan b (p cos a + r
+/// sin a)) = az cos a - ax sin a + (gravity)`.
 fn is_manoeuvre(doubts: &Doubts) -> bool {
     let names = ["true_airspeed", "alpha", "theta", "q", "az"];
     let [Some(speed), Some(alpha), Some(theta), Some(q), Some(az)] = names.map(|name| doubts.values(name)) else {
@@ -44,7 +56,8 @@ fn is_manoeuvre(doubts: &Doubts) -> bool {
     };
     let Some(typical) = median_of_finite(speed.iter().map(|speed| speed.abs())) else { return false };
     let over = |rate: &dyn Fn(usize) -> f64| windows(doubts.time(), alpha, rate, 1.0);
-    let (pitching, rest, measured, duration) = (over(&|k| q[k]), over(&rest), over(&|k| az[k]), over(&|_| 1.0));
+    let nose = nose_rate(doubts, q, alpha);
+    let (pitching, rest, measured, duration) = (over(&nose), over(&rest), over(&|k| az[k]), over(&|_| 1.0));
     let pairs: Vec<(f64, f64)> = (0..duration.len())
         .filter(|&i| duration[i].1 > 0.3)
         .map(|i| {

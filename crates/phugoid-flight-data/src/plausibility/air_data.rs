@@ -1,8 +1,8 @@
 //! Checks of airspeed, pressure and altitude against each other and against the motion.
 
-use super::accelerations::{bank, gravity_across_path};
+use super::accelerations::{bank, gravity_across_path, nose_rate};
 use super::doubt::{Certainty, Doubts};
-use super::robust::{Fit, fit, median_of_finite, regress, windows};
+use super::robust::{Fit, fit, magnitude, median_of_finite, regress, windows};
 use crate::wording::Short;
 
 /// Checks that dynamic pressure and airspeed give an air density that occurs (below 20 km: 0.08 to 1.5 kg/m^3).
@@ -130,8 +130,12 @@ pub(super) fn climb(doubts: &mut Doubts) {
     }
 }
 
-/// Checks the airspeed by the turning of the flight path: `V (alpha' - q) = az cos a - ax sin a + (gravity across the
-/// path)`.
+/// Rate of roll beyond which the sideslip has to be known, rad/s: three degrees of it then turn the nose by 0.01 rad/s, as
+/// much as a gentle pull-up.
+const ROLLING: f64 = 0.2;
+
+/// Checks the airspeed by the turning of the flight path: `V (alpha' - q + tan b (p cos a + r sin a)) = az cos a - ax sin a +
+/// (gravity across the path)`.
 pub(super) fn turning(doubts: &mut Doubts) {
     let names = ["true_airspeed", "alpha", "theta", "q", "az", "ax"];
     let [Some(speed), Some(alpha), Some(theta), Some(q), Some(az), Some(ax)] = names.map(|name| doubts.values(name))
@@ -141,14 +145,18 @@ pub(super) fn turning(doubts: &mut Doubts) {
     if doubts.any(&names) {
         return;
     }
-    let bank = bank(doubts);
+    let rolls = || doubts.values("p").and_then(magnitude).is_some_and(|rate| rate > ROLLING);
+    if doubts.values("beta").is_none_or(|_| doubts.any(&["beta", "p", "r"])) && rolls() {
+        return;
+    }
+    let (bank, nose) = (bank(doubts), nose_rate(doubts, q, alpha));
     let force = |k: usize| {
         let (sin, cos) = alpha[k].sin_cos();
         az[k] * cos - ax[k] * sin + gravity_across_path(alpha[k], theta[k], bank(k))
     };
     let Some(typical) = median_of_finite(speed.iter().copied()) else { return };
     let forces = windows(doubts.time(), alpha, force, 1.0);
-    let pitching = windows(doubts.time(), alpha, |k| q[k], 1.0);
+    let pitching = windows(doubts.time(), alpha, nose, 1.0);
     let pairs: Vec<(f64, f64)> = forces
         .iter()
         .zip(&pitching)

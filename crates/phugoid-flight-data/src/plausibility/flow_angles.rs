@@ -9,7 +9,7 @@
 //! compatibility.) A vane ahead of the wing or the fuselage shows up to half more than the angle far away; nothing in
 //! a model of the aircraft tells that from another lift slope.
 
-use super::accelerations::{bank, gravity_across_path};
+use super::accelerations::{bank, gravity_across_path, nose_rate};
 use super::doubt::{Cause, Certainty, Doubts};
 use super::robust::{magnitude, windows};
 use crate::wording::Short;
@@ -39,13 +39,13 @@ pub(super) fn alpha(doubts: &mut Doubts) {
         return;
     }
     let bank = bank(doubts);
-    let [ax, beta, p, r] = ["ax", "beta", "p", "r"].map(|name| doubts.values(name));
+    let [ax, beta] = ["ax", "beta"].map(|name| doubts.values(name));
     let at = |values: Option<&[f64]>, k: usize| values.map_or(0.0, |values| values[k]);
+    let nose = nose_rate(doubts, q, alpha);
     let rate = |k: usize| {
         let (sin, cos) = alpha[k].sin_cos();
-        let beta = at(beta, k);
         let force = az[k] * cos - at(ax, k) * sin + gravity_across_path(alpha[k], theta[k], bank(k));
-        q[k] - beta.tan() * (at(p, k) * cos + at(r, k) * sin) + force / (speed[k] * beta.cos())
+        nose(k) + force / (speed[k] * at(beta, k).cos())
     };
     scale(doubts, "alpha", alpha, rate);
 }
