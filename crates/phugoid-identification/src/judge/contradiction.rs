@@ -84,7 +84,8 @@ pub(crate) fn reasons(
     if let Some(equations) = equations {
         // Where nothing has moved on a group of axes, its motion is noise and its parameters are those given beforehand.
         let is_learnt = |found: &&Explained| learnt.contains(&Group::of(found.output));
-        found.extend(equations.explained(unsettled.from_s).iter().filter(is_learnt).filter_map(unexplained));
+        let explained = equations.explained(unsettled.from_s);
+        found.extend(unexplained(explained.iter().filter(is_learnt)));
     }
     found
 }
@@ -191,29 +192,27 @@ fn exceedances(
     })
 }
 
-/// An equation whose motion the terms can explain and the estimates do not.
-fn unexplained(found: &Explained) -> Option<VerdictReason> {
-    let lost = found.lost();
-    if found.by_terms < TELLS || lost < LOST {
-        return None;
-    }
-    let (output, explained) = (found.output.name(), 100.0 * found.by_estimates);
-    let what = if explained > 0.0 {
-        format!("explain {explained:.0} % of it")
-    } else {
-        "explain less than nothing of it".to_owned()
+/// The equations whose motion the terms can explain and the estimates do not.
+fn unexplained<'a>(equations: impl Iterator<Item = &'a Explained>) -> Option<VerdictReason> {
+    let lost: Vec<&Explained> = equations.filter(|of| of.by_terms >= TELLS && of.lost() >= LOST).collect();
+    let most = lost.iter().map(|of| of.lost()).max_by(f64::total_cmp)?;
+    let words = |of: &&Explained| {
+        let explained = 100.0 * of.by_estimates;
+        let explained = if explained > 0.0 { format!("{explained:.0} %") } else { "less than nothing".to_owned() };
+        let (output, by_terms) = (of.output.name(), 100.0 * of.by_terms);
+        format!("{by_terms:.0} % of the motion of {output}, and these estimates {explained} (in {:.0} s)", of.seconds)
     };
+    let named: Vec<String> = lost.iter().map(words).collect();
     Some(VerdictReason {
         code: ReasonCode::Contradiction,
-        status: if lost < MOST_LOST { EstimationStatus::Doubtful } else { EstimationStatus::Refused },
-        concerns: vec![output.to_owned()],
+        status: if most < MOST_LOST { EstimationStatus::Doubtful } else { EstimationStatus::Refused },
+        concerns: lost.iter().map(|of| of.output.name().to_owned()).collect(),
         sentence: format!(
-            "In the {:.0} s in which its regressors move, the terms of the model can explain {:.0} % of the motion of \
-             {output}, and these estimates {what}. The method was held at wrong values, by noise levels that are too \
-             small, a change that it missed or channels that contradict one another: estimate the manoeuvre alone, with \
-             noise levels of the size of the residuals, and compare with equation-error.",
-            found.seconds,
-            100.0 * found.by_terms
+            "In the time in which its regressors move, the terms of the model can explain {}. The method was held at wrong \
+             values, by a term that the model lacks, noise levels that are too small, a change that it missed or channels \
+             that contradict one another: see whether terms are named below, estimate the manoeuvre alone, and compare with \
+             another method.",
+            named.join("; ")
         ),
     })
 }

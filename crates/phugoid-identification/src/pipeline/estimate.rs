@@ -137,7 +137,13 @@ fn pipeline_of<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     };
     if let Some(mut offer) = offer {
         offer.taken = taken;
-        chosen.estimation.verdict.extend(sentence(&offer));
+        if let Some(sentence) = sentence(&offer) {
+            // Beside the reasons against the result, of which a missing term is the most probable cause.
+            let of_reason = |said: &String| chosen.estimation.reasons.iter().any(|reason| reason.sentence == *said);
+            let end = chosen.estimation.verdict.len();
+            let place = chosen.estimation.verdict.iter().rposition(of_reason).map_or(end, |last| last + 1);
+            chosen.estimation.verdict.insert(place, sentence);
+        }
         chosen.estimation.offer = Some(offer);
     }
     progress(1.0);
