@@ -4,7 +4,7 @@ use std::path::Path;
 
 use phugoid_flight_data::record::Record;
 use phugoid_identification::estimate::{EstimateOptions, Method, StructureSearch, estimate};
-use phugoid_identification::estimation::{ChangeOutcome, Estimation, EstimationStatus, EventKind};
+use phugoid_identification::estimation::{ChangeOutcome, Estimation, EstimationStatus, EventKind, ReasonCode};
 use phugoid_identification::model_file::ModelFile;
 
 /// A flight of JSBSim's `pc7` whose horizontal tail loses two fifths at 28 s (`scripts/field/make.py`, develop, `damage-tail`):
@@ -48,6 +48,45 @@ fn a_damage_that_was_missed_in_flight_is_found_in_the_whole_record() {
             found.events.iter().any(|e| e.kind == EventKind::Adopted && e.message.contains("not noticed in flight"))
         );
     }
+}
+
+/// A flight of JSBSim's `f15` whose ailerons lose half of their effect at 27 s, to be seen in one doublet at 38 s
+/// (`scripts/field/make.py`, develop, `lat-damage-aileron`): Cl_aileron goes from -0.0384 to -0.0194. With its product of inertia
+/// the terms of the yawing moment stand in the equation of p' as well, and none of the two moments was asked.
+fn weak_ailerons() -> (Record, ModelFile) {
+    let tests = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/look-back");
+    let model = ModelFile::open(tests.join("f15-lateral.toml")).unwrap();
+    (Record::open(tests.join("f15-damage-aileron.csv")).unwrap(), model)
+}
+
+#[test]
+fn a_moment_that_changes_is_found_where_there_is_a_product_of_inertia() {
+    let (record, model) = weak_ailerons();
+    let found = run(&record, &model, EstimateOptions::default());
+    assert_eq!(found.status, EstimationStatus::Sound, "{:?}", found.verdict);
+    let [change] = &found.changes[..] else { panic!("{:?}", found.changes) };
+    assert_eq!(change.outcome, ChangeOutcome::FoundAfterwards);
+    assert!((change.time_s - 27.0).abs() < 0.5, "{}", change.time_s);
+    let [aileron] = &change.parameters.iter().filter(|p| p.sigmas().abs() > 5.0).collect::<Vec<_>>()[..] else {
+        panic!("{:?}", change.parameters)
+    };
+    assert_eq!(aileron.name, "Cl_aileron");
+    assert!((aileron.before + 0.0384).abs() < 2.0 * aileron.before_std, "{aileron:?}");
+    assert!((aileron.after + 0.0194).abs() < 2.0 * aileron.after_std, "{aileron:?}");
+}
+
+/// One value for the whole flight is that of neither aircraft, and its residuals do not tell.
+#[test]
+fn a_regression_over_a_damage_of_a_moment_is_in_doubt() {
+    let (record, model) = weak_ailerons();
+    let regression = EstimateOptions { method: Some(Method::EquationError), ..EstimateOptions::default() };
+    let whole = run(&record, &model, regression.clone());
+    assert_eq!(whole.status, EstimationStatus::Doubtful, "{:?}", whole.verdict);
+    let reason = whole.reasons.iter().find(|reason| reason.code == ReasonCode::NotConstant).unwrap();
+    assert!(reason.concerns.contains(&"Cl_aileron".to_owned()), "{}", reason.sentence);
+    // Up to the damage the aircraft is one.
+    let part = run(&record.between(0.0, 26.9).unwrap(), &model, regression);
+    assert_eq!(part.status, EstimationStatus::Sound, "{:?}", part.verdict);
 }
 
 /// Without the damage, without the search for changes, and before there is enough flight on both sides, nothing is found.

@@ -30,6 +30,9 @@ const CHUNK: usize = 20;
 /// A regressor moves in a block where its mean square is at least this part of that in the block where it moves most.
 /// The limit does not depend on how long the record is.
 const MOVES: f64 = 0.1;
+/// Part of a regressor's square that the others may not share, at least: below it the terms cannot be told apart in this
+/// equation.
+pub(crate) const OWN: f64 = 1e-6;
 /// Fewest samples in the blocks over which the explained share is judged.
 const FEWEST: f64 = 20.0;
 
@@ -72,6 +75,32 @@ pub(crate) struct ByBlock {
     pub(crate) samples: Vec<f64>,
     /// By regressor: whether it moves in the block.
     pub(crate) moving: Vec<Vec<bool>>,
+}
+
+impl ByBlock {
+    /// The equation without the weaker one of two regressors that are the same term of two coefficients and cannot be told apart:
+    /// with a product of inertia the rolling moment turns the nose too, and each of its terms stands in the equation of r' as
+    /// one of the yawing moment does. What is left out is part of the left side, at its value.
+    fn without_repeated(self, is_same_term: &dyn Fn(usize, usize) -> bool) -> Self {
+        let u = self.used.len();
+        let product = |a: usize, b: usize| self.sums.iter().map(|block| block[(a, b)]).sum::<f64>();
+        let is_weaker = |a: usize, b: usize| {
+            let (own, other, both) = (product(a, a), product(b, b), product(a, b));
+            let is_repeated = own * other - both * both <= OWN * own * other;
+            is_repeated && is_same_term(self.used[a], self.used[b]) && (own < other || own == other && a > b)
+        };
+        let kept: Vec<usize> = (0..u).filter(|&a| !(0..u).any(|b| a != b && is_weaker(a, b))).collect();
+        let places: Vec<usize> = kept.iter().copied().chain([u]).collect();
+        let of_kept =
+            |block: &DMatrix<f64>| DMatrix::from_fn(places.len(), places.len(), |a, b| block[(places[a], places[b])]);
+        Self {
+            used: kept.iter().map(|&a| self.used[a]).collect(),
+            values: kept.iter().map(|&a| self.values[a]).collect(),
+            sums: self.sums.iter().map(of_kept).collect(),
+            moving: kept.iter().map(|&a| self.moving[a].clone()).collect(),
+            samples: self.samples,
+        }
+    }
 }
 
 /// Most iterations of a singular value decomposition: some ten are usual.
@@ -170,7 +199,8 @@ impl Equations {
 
     /// The equations by block.
     pub(crate) fn by_block(&self) -> Vec<ByBlock> {
-        self.equations.iter().map(Equation::by_block).collect()
+        let is_same_term = |a: usize, b: usize| self.columns[a].term == self.columns[b].term;
+        self.equations.iter().map(|equation| equation.by_block().without_repeated(&is_same_term)).collect()
     }
 
     /// The block that a time lies in; none before the record.
@@ -323,4 +353,56 @@ fn with_predicted<const N: usize, const R: usize>(
         }
     }
     complete
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two blocks of `y = 2 x + 3 z`, in which a second coefficient has a tenth of `x` as its own regressor.
+    fn repeated() -> ByBlock {
+        let block = |from: usize| {
+            let mut sum = DMatrix::zeros(4, 4);
+            for k in from..from + 20 {
+                let (x, z) = ((0.7 * k as f64).sin(), (0.3 * k as f64).cos());
+                // At the values 1.5, 4 and 3: 0.1 of x is left.
+                let row = DVector::from_vec(vec![x, 0.1 * x, z, 2.0 * x + 3.0 * z - (1.5 * x + 0.4 * x + 3.0 * z)]);
+                sum.ger(1.0, &row, &row, 1.0);
+            }
+            sum
+        };
+        let moving = vec![vec![true, true], vec![false, false], vec![true, false]];
+        ByBlock {
+            used: vec![2, 5, 7],
+            values: vec![1.5, 4.0, 3.0],
+            sums: vec![block(0), block(20)],
+            samples: vec![20.0; 2],
+            moving,
+        }
+    }
+
+    #[test]
+    fn the_weaker_one_of_two_that_cannot_be_told_apart_is_left_out_at_its_value() {
+        let is_same_term = |a: usize, b: usize| [a, b].iter().all(|column| [2, 5].contains(column));
+        let kept = repeated().without_repeated(&is_same_term);
+        assert_eq!((&kept.used[..], &kept.values[..]), (&[2, 7][..], &[1.5, 3.0][..]));
+        assert_eq!(kept.moving, [[true, true], [true, false]]);
+        // The residual is what it was: of the left side, 0.4 x is the other one's.
+        let sum = &kept.sums[0] + &kept.sums[1];
+        let found = sum[(0, 2)] / sum[(0, 0)];
+        assert!((found - 0.1).abs() < 0.05, "{found}");
+        assert_eq!(
+            sum,
+            DMatrix::from_fn(3, 3, |a, b| {
+                let places = [0, 2, 3];
+                repeated().sums.iter().map(|block| block[(places[a], places[b])]).sum::<f64>()
+            })
+        );
+    }
+
+    #[test]
+    fn two_terms_that_move_alike_are_both_kept() {
+        let kept = repeated().without_repeated(&|_, _| false);
+        assert_eq!((kept.used, kept.sums), (repeated().used, repeated().sums));
+    }
 }

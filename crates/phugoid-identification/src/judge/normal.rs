@@ -2,11 +2,8 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
-use crate::judge::equations::ByBlock;
+use crate::judge::equations::{ByBlock, OWN};
 
-/// Part of a regressor's square that the others may not share, at least: below it the terms cannot be told apart in this
-/// equation, such as a rolling and a yawing moment.
-const OWN: f64 = 1e-6;
 /// Added to the diagonal of regressors of unit length, so that one that does not move has no value in place of any.
 const RIDGE: f64 = 1e-9;
 
