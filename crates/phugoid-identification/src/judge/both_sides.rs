@@ -8,7 +8,7 @@ use crate::model_file::Role;
 use crate::motion::MotionModel;
 
 /// A change counts where the two values differ by this part of the larger one: terms that a model lacks make less.
-const MATERIAL: f64 = 0.25;
+pub(super) const MATERIAL: f64 = 0.25;
 /// The regressor has to move by this part as much (in mean squares) on the side on which it moves less, and in this many
 /// blocks as in a manoeuvre at the least: the noise of the measurements, and gusts that the vane does not see, make the value of one
 /// that hardly moves too small.

@@ -11,7 +11,7 @@ use nalgebra::DVector;
 
 use crate::core::estimation::{EstimationStatus, ReasonCode, VerdictReason};
 use crate::core::number::significant;
-use crate::judge::both_sides::{is_alike, is_material, moves_on_both_sides};
+use crate::judge::both_sides::{MATERIAL, is_alike, is_material, moves_on_both_sides};
 use crate::judge::equations::{BLOCK_S, ByBlock, Equations};
 use crate::judge::normal::Normal;
 
@@ -47,8 +47,9 @@ struct Change {
 
 /// The reason that a term changes in flight; none if the flight does not show it.
 pub(super) fn reason(equations: &Equations) -> Option<VerdictReason> {
+    let is_constant = |column: usize| equations.columns[column].term.is_constant();
     let mut found: Vec<Change> =
-        equations.by_block().iter().flat_map(|equation| changes(equation, equations.start_s())).collect();
+        equations.by_block().iter().flat_map(|equation| changes(equation, equations.start_s(), &is_constant)).collect();
     found.sort_by(|a, b| b.strength.total_cmp(&a.strength));
     let first = found.first()?;
     let name = |change: &Change| equations.columns[change.column].name.clone();
@@ -110,25 +111,38 @@ fn limit(degrees: usize) -> f64 {
     }
 }
 
-/// The terms of one equation that change, each where it shows most.
-fn changes(equation: &ByBlock, start_s: f64) -> Vec<Change> {
+/// The terms of one equation that change, each where it shows most. A constant changes where it does by more than a part of the
+/// motion that the largest term makes: a trim that shifts under a control loop moves the surface, and one value for both sides
+/// makes that surface look as if it did nothing.
+fn changes(equation: &ByBlock, start_s: f64, is_constant: &dyn Fn(usize) -> bool) -> Vec<Change> {
     let groups = Normal::groups(equation, TOGETHER);
     let u = equation.used.len();
     // On both sides as in a manoeuvre.
     let moves = |j: usize, split: usize| moves_on_both_sides(&equation.moving[j], split * TOGETHER);
+    let is_constant = |j: usize| is_constant(equation.used[j]);
     let mut strongest: Vec<Option<Change>> = vec![None; u];
     for split in FEWEST..groups.len().saturating_sub(FEWEST - 1) {
         let Some((before, after)) = Side::of(u, &groups[..split]).zip(Side::of(u, &groups[split..])) else { continue };
         let limit = limit(before.groups.min(after.groups) - 1);
+        // Motion of the left side that one unit of a term makes on the side where it moves less.
+        let unit = |j: usize| before.motion[j].min(after.motion[j]).sqrt();
+        let made = |j: usize| before.value[j].abs().max(after.value[j].abs()) * unit(j);
+        let largest = (0..u).filter(|j| !is_constant(*j)).map(made).fold(0.0, f64::max);
+        let is_flown_alike = |j: usize| is_alike([before.motion[j], after.motion[j]]) && moves(j, split);
+        // Where a term that makes much of the motion hardly moves on one side, its value there is too small, and the constant with it.
+        let counts = |j: &usize| !is_constant(*j) && made(*j) >= MATERIAL * largest;
+        let is_comparable = (0..u).filter(counts).all(is_flown_alike);
+        let tells = |j: usize, from: f64, to: f64| {
+            if is_constant(j) {
+                is_comparable && largest > 0.0 && (to - from).abs() * unit(j) >= MATERIAL * largest
+            } else {
+                is_material(from, to) && is_flown_alike(j)
+            }
+        };
         for (j, strongest) in strongest.iter_mut().enumerate() {
             let (from, to) = (before.value[j], after.value[j]);
             let strength = (to - from).abs() / (limit * (before.variance[j] + after.variance[j]).sqrt());
-            if is_material(from, to)
-                && is_alike([before.motion[j], after.motion[j]])
-                && moves(j, split)
-                && strength > 1.0
-                && strongest.as_ref().is_none_or(|s| strength > s.strength)
-            {
+            if tells(j, from, to) && strength > 1.0 && strongest.as_ref().is_none_or(|s| strength > s.strength) {
                 *strongest = Some(Change {
                     column: equation.used[j],
                     time_s: start_s + (split * TOGETHER) as f64 * BLOCK_S,
@@ -173,7 +187,7 @@ mod tests {
 
     #[test]
     fn a_change_is_found_with_its_time_and_both_values() {
-        let found = changes(&equation(|block| if block < 24 { 1.0 } else { 0.6 }, |_| 1.0), 100.0);
+        let found = changes(&equation(|block| if block < 24 { 1.0 } else { 0.6 }, |_| 1.0), 100.0, &|_| false);
         let [change] = found.as_slice() else { panic!("{found:?}") };
         assert!((change.time_s - 124.0).abs() <= 2.0, "{change:?}");
         assert!((change.before - 1.0).abs() < 0.02 && (change.after - 0.6).abs() < 0.02, "{change:?}");
@@ -181,12 +195,12 @@ mod tests {
 
     #[test]
     fn what_is_constant_and_what_hardly_moves_does_not_change() {
-        assert_eq!(changes(&equation(|_| 1.0, |_| 1.0), 0.0), []);
+        assert_eq!(changes(&equation(|_| 1.0, |_| 1.0), 0.0, &|_| false), []);
         // Less than what missing terms do.
-        assert_eq!(changes(&equation(|block| if block < 24 { 1.0 } else { 0.85 }, |_| 1.0), 0.0), []);
+        assert_eq!(changes(&equation(|block| if block < 24 { 1.0 } else { 0.85 }, |_| 1.0), 0.0, &|_| false), []);
         // After half of the flight only noise moves the regressor.
         let quiet = equation(|block| if block < 20 { 1.0 } else { 0.2 }, |block| if block < 20 { 1.0 } else { 0.02 });
-        assert_eq!(changes(&quiet, 0.0), []);
+        assert_eq!(changes(&quiet, 0.0, &|_| false), []);
     }
 
     #[test]
