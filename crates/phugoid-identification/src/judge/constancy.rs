@@ -193,6 +193,42 @@ mod tests {
         assert!((change.before - 1.0).abs() < 0.02 && (change.after - 0.6).abs() < 0.02, "{change:?}");
     }
 
+    /// The same with a constant, which shifts after 24 s, and with it the place about which `x` moves, as under a control loop.
+    fn shifted(shift: f64) -> ByBlock {
+        let of_term = equation(|_| 1.0, |_| 1.0);
+        let sums = of_term.sums.iter().enumerate().map(|(block, sum)| {
+            let (at, constant) = if block < 24 { (0.0, 0.0) } else { (shift, -shift) };
+            let samples = of_term.samples[block];
+            // Of `x + at` in place of `x`, whose mean over a block is next to zero, and of a left side with the constant beside it.
+            let (xx, xr, rr) = (sum[(0, 0)], sum[(0, 1)], sum[(1, 1)]);
+            let r = 0.2 * at + constant;
+            let row = [xx + samples * at * at, samples * at, xr + samples * at * r];
+            let full =
+                [[row[0], row[1], row[2]], [row[1], samples, samples * r], [row[2], samples * r, rr + samples * r * r]];
+            DMatrix::from_fn(3, 3, |a, b| full[a][b])
+        });
+        let moving = vec![vec![true; 40], vec![false; 40]];
+        ByBlock {
+            used: vec![0, 1],
+            values: vec![0.8, 0.0],
+            sums: sums.collect(),
+            moving,
+            samples: of_term.samples.clone(),
+        }
+    }
+
+    #[test]
+    fn a_constant_changes_where_it_does_by_a_part_of_the_motion() {
+        let of_constant = |column: usize| column == 1;
+        let found = changes(&shifted(0.5), 0.0, &of_constant);
+        let constant = found.iter().find(|change| change.column == 1).unwrap_or_else(|| panic!("{found:?}"));
+        assert!((constant.time_s - 24.0).abs() <= 2.0, "{constant:?}");
+        assert!(constant.before.abs() < 0.05 && (constant.after + 0.5).abs() < 0.05, "{constant:?}");
+        assert_eq!(found.len(), 1, "{found:?}");
+        // The motion is 0.7 in root mean square.
+        assert_eq!(changes(&shifted(0.05), 0.0, &of_constant), []);
+    }
+
     #[test]
     fn what_is_constant_and_what_hardly_moves_does_not_change() {
         assert_eq!(changes(&equation(|_| 1.0, |_| 1.0), 0.0, &|_| false), []);
