@@ -52,7 +52,7 @@ fn advice(first: Method, second: Method) -> &'static str {
     }
 }
 
-/// A parameter that counts as converged, by both methods.
+/// A parameter that is compared, by both methods.
 struct Pair<'a> {
     found: &'a ParameterResult,
     random: f64,
@@ -61,18 +61,27 @@ struct Pair<'a> {
     apart: f64,
 }
 
-/// The reason that the method beside this one gives other values; none if it does not, or gives none.
+/// The reason that the method beside this one gives other values; none if it does not, or gives none. Compared are parameters that
+/// count as converged; of equation error also derivatives that are improving.
 pub(super) fn reason<'a>(
     method: Method,
     parameters: &'a [ParameterResult],
     answer: &'a SecondAnswer,
+    is_constant: impl Fn(&str) -> bool,
 ) -> Option<VerdictReason> {
+    // What a change in flight does to a regression makes its bounds wide as well, so that little of it counts as converged. The
+    // constants of a filter are those of the last seconds, and of a regression those of the whole flight.
+    let is_claimed = |found: &ParameterResult| match found.status {
+        FinalStatus::Converged => true,
+        FinalStatus::Improving => method == Method::EquationError && !is_constant(&found.name),
+        _ => false,
+    };
     let pair = |other: &'a OtherValue| {
         let found = parameters.iter().find(|p| p.name == other.name)?;
         // What is declared of systematic errors, and what corrections leave, is the same for both.
         let random = found.random_std();
         let apart = (found.value - other.value).abs() / random.hypot(other.std_error);
-        let counts = !found.nuisance && found.status == FinalStatus::Converged && apart > limit(method, answer.method);
+        let counts = !found.nuisance && is_claimed(found) && apart > limit(method, answer.method);
         counts.then_some(Pair { found, random, other, apart })
     };
     let mut pairs: Vec<Pair<'_>> = answer.values.iter().filter_map(pair).collect();
@@ -134,7 +143,7 @@ mod tests {
     fn said(method: Method, found: ParameterResult, second: (Method, f64, f64)) -> Option<VerdictReason> {
         let value = |value, std_error| OtherValue { name: "CL_q".to_owned(), value, std_error };
         let (second, v, std) = second;
-        reason(method, &[found], &SecondAnswer { method: second, values: vec![value(v, std)] })
+        reason(method, &[found], &SecondAnswer { method: second, values: vec![value(v, std)] }, |_| false)
     }
 
     /// Output error, with the value by equation error.
@@ -158,6 +167,19 @@ mod tests {
         assert!(asked(0.03, 0.0, f64::NAN, 0.04, false).is_none());
         // A declared scale is the same error of both, and does not make them agree.
         assert!(asked(0.03, 0.5, 1.3, 0.04, false).is_some());
+    }
+
+    #[test]
+    fn a_derivative_that_is_improving_counts_where_a_change_in_flight_makes_its_bound_wide() {
+        let improving = || ParameterResult { status: FinalStatus::Improving, ..found(0.03, 0.0, false) };
+        let by = |method, is_constant: bool| {
+            let values = vec![OtherValue { name: "CL_q".to_owned(), value: 1.3, std_error: 0.04 }];
+            reason(method, &[improving()], &SecondAnswer { method: Method::Smpe, values }, |_| is_constant)
+        };
+        assert!(by(Method::EquationError, false).is_some());
+        assert!(by(Method::EquationError, true).is_none());
+        // In a band, and by methods with another one beside them, the difference of what is improving was not measured.
+        assert!(by(Method::EquationErrorFrequency, false).is_none());
     }
 
     #[test]
