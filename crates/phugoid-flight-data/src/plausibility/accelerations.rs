@@ -31,12 +31,12 @@ pub(super) fn bank<'a>(doubts: &Doubts<'a>) -> impl Fn(usize) -> f64 + use<'a> {
 }
 
 /// The rate that changes the angle of attack where the flight path does not turn, `q - tan b (p cos a + r sin a)`, by
-/// sample, rad/s; without sideslip where it is not known.
+/// sample, rad/s; where the sideslip, or a rate beside q, has no value it counts as none.
 pub(super) fn nose_rate<'a>(doubts: &Doubts<'a>, q: &'a [f64], alpha: &'a [f64]) -> impl Fn(usize) -> f64 + use<'a> {
     let known = |name| doubts.values(name).filter(|_| !doubts.any(&[name]));
     let (beta, p, r) = (known("beta"), known("p"), known("r"));
     move |k| {
-        let at = |values: Option<&[f64]>| values.map_or(0.0, |values| values[k]);
+        let at = |values: Option<&[f64]>| values.map(|values| values[k]).filter(|v| v.is_finite()).unwrap_or(0.0);
         let (sin, cos) = alpha[k].sin_cos();
         q[k] - at(beta).tan() * (at(p) * cos + at(r) * sin)
     }

@@ -145,8 +145,9 @@ pub(super) fn turning(doubts: &mut Doubts) {
     if doubts.any(&names) {
         return;
     }
-    let rolls = || doubts.values("p").and_then(magnitude).is_some_and(|rate| rate > ROLLING);
-    if doubts.values("beta").is_none_or(|_| doubts.any(&["beta", "p", "r"])) && rolls() {
+    let size = |name| doubts.values(name).and_then(magnitude);
+    let is_sideslip_known = size("beta").is_some() && !doubts.any(&["beta", "p", "r"]);
+    if !is_sideslip_known && size("p").is_some_and(|rate| rate > ROLLING) {
         return;
     }
     let (bank, nose) = (bank(doubts), nose_rate(doubts, q, alpha));

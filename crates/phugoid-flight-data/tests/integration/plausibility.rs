@@ -151,7 +151,17 @@ fn rolling_with_sideslip_is_no_wrong_airspeed() {
     assert!(!airspeed(&check(&record)), "{:?}", check(&record));
     // The check is asleep for nobody: a speed in knots read as m/s is found in the same flight.
     assert!(airspeed(&spoilt(&record, "true_airspeed", 1.0 / 0.514_444)));
-    // Where the sideslip is not known, nothing is said of what depends on it.
+    // Where the sideslip is not known, nothing is said of what depends on it: without values ...
+    let without_values = |mut record: Record| {
+        let beta = record.channels.iter_mut().find(|channel| channel.name == "beta").unwrap();
+        beta.values.fill(f64::NAN);
+        record
+    };
+    let empty = without_values(record.clone());
+    assert!(!airspeed(&check(&empty)), "{:?}", check(&empty));
+    // ... which does not put the check to sleep where the wings stay level;
+    assert!(airspeed(&spoilt(&without_values(flight(0.0)), "true_airspeed", 1.0 / 0.514_444)));
+    // ... and without the column.
     record.channels.retain(|channel| channel.name != "beta");
     assert!(!airspeed(&check(&record)), "{:?}", check(&record));
 }
