@@ -45,10 +45,6 @@ pub(crate) fn to_separate(a: &Role, b: &Role) -> String {
         Role::Term(_, term) => term.single(),
         Role::Offset(_) | Role::Bias(_) => None,
     };
-    let is_constant = |role: &Role| match role {
-        Role::Term(_, term) => term.is_constant(),
-        Role::Offset(_) | Role::Bias(_) => true,
-    };
     let is_product =
         |role: &Role| matches!(role, Role::Term(_, term) if !term.is_constant() && term.single().is_none());
     let is_control = |variable: Option<usize>| {
@@ -66,9 +62,9 @@ pub(crate) fn to_separate(a: &Role, b: &Role) -> String {
         "the control follows the motion (a pilot or a controller in the loop): add an input of its own to it, such as a \
          multisine"
             .to_owned()
-    } else if is_constant(a) && is_constant(b) {
+    } else if a.is_constant() && b.is_constant() {
         "fix one of the two: a sensor's bias and a constant of the model act alike".to_owned()
-    } else if is_constant(a) || is_constant(b) {
+    } else if a.is_constant() || b.is_constant() {
         "fly at several angles of attack and speeds, or fix one of the two".to_owned()
     } else if is_product(a) || is_product(b) {
         "fly small and large amplitudes: only those tell a curve from a straight line".to_owned()

@@ -50,13 +50,8 @@ pub(crate) fn reasons<M: Motion<N, R>, const N: usize, const R: usize>(
         // Causal methods look for changes themselves.
         found.extend(run.batch.as_ref().and(equations).and_then(constancy::reason));
         let method = task.method();
-        let is_constant = |role: &Role| match role {
-            Role::Term(_, term) => term.is_constant(),
-            Role::Offset(_) | Role::Bias(_) => true,
-        };
-        let constants: Vec<&str> =
-            task.file.estimated().filter(|p| is_constant(&p.role)).map(|p| p.name.as_str()).collect();
-        let against = |answer| agreement::reason(method, parameters, answer, |name| constants.contains(&name));
+        let is_constant = |name: &str| task.file.estimated().any(|p| p.name == name && p.role.is_constant());
+        let against = |answer| agreement::reason(method, parameters, answer, is_constant);
         found.extend(run.second_answer.as_ref().and_then(against));
         found.extend(run.noise.and_then(|_| explained::reason(history)));
         found.extend(run.noise.and_then(|learnt| {

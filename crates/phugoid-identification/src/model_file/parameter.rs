@@ -14,6 +14,16 @@ pub enum Role {
     Bias(Output),
 }
 
+impl Role {
+    /// True for what stands alone, whatever the motion: the constant term of a coefficient, an offset, a bias.
+    pub(crate) fn is_constant(&self) -> bool {
+        match self {
+            Self::Term(_, term) => term.is_constant(),
+            Self::Offset(_) | Self::Bias(_) => true,
+        }
+    }
+}
+
 /// A parameter: name, role and what is known of it beforehand.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parameter {
