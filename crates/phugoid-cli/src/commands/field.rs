@@ -248,7 +248,18 @@ fn changes(summaries: &[ChangeSummary]) -> String {
     let mut healthy =
         Table::new(&["method", "healthy flights", "hours", "adopted", "not taken back", "in flights", "worse after"]);
     let mut real = Table::with_words(
-        &["method", "change", "flights", "found", "after", "early", "named rightly", "named wrongly"],
+        &[
+            "method",
+            "change",
+            "flights",
+            "found",
+            "after",
+            "early",
+            "dated rightly",
+            "within",
+            "named rightly",
+            "named wrongly",
+        ],
         &[0, 1],
     );
     for s in summaries {
@@ -262,14 +273,16 @@ fn changes(summaries: &[ChangeSummary]) -> String {
             s.harmed.to_string(),
         ]);
         for (name, found) in [("damage", &s.damages), ("trim shift", &s.trim_shifts)] {
-            let latency = found.latency_median_s;
+            let seconds = |s: f64| if s.is_nan() { "-".to_owned() } else { format!("{} s", significant(s, 3)) };
             real.row([
                 s.method.to_string(),
                 name.to_owned(),
                 found.flights.to_string(),
                 found.found.to_string(),
-                if latency.is_nan() { "-".to_owned() } else { format!("{} s", significant(latency, 3)) },
+                seconds(found.latency_median_s),
                 found.early.to_string(),
+                format!("{} of {}", found.dated_rightly, found.dated),
+                seconds(found.interval_median_s),
                 found.named_rightly.to_string(),
                 found.named_wrongly.to_string(),
             ]);

@@ -160,6 +160,12 @@ pub struct FoundChanges {
     pub early: usize,
     /// Median time from the change to its first adoption, s, over those that were found.
     pub latency_median_s: f64,
+    /// Flights whose first change that cannot be before the real one was found afterwards, so that it lies between two times.
+    pub dated: usize,
+    /// Those in which the real change lies between them.
+    pub dated_rightly: usize,
+    /// Median length of these intervals, s.
+    pub interval_median_s: f64,
     /// Flights whose first adoption after the change calls a parameter changed that really did, more certainly than any
     /// other of its sort: derivatives of a damage; of a trim shift constants, with the words for it.
     pub named_rightly: usize,
@@ -183,12 +189,17 @@ impl FoundChanges {
             let is_derivative = |name: &&String| !name.ends_with("_0") && !name.starts_with("offset");
             adoption.changed.iter().find(is_derivative).map(|name| change.parameters.contains(name))
         };
+        let dated = || first.iter().filter_map(|(_, change, adoption)| adoption.is_dated_rightly(change));
+        let intervals = first.iter().filter_map(|(_, _, adoption)| adoption.interval_s);
         let count = |wanted: bool| first.iter().filter(|f| rightly(f) == Some(wanted)).count();
         Self {
             flights: changed().count(),
             found: first.len(),
             early: changed().filter(|(t, c)| t.adoptions.kept().any(|a| a.is_before(c))).count(),
             latency_median_s: quantile(first.iter().map(|(_, c, a)| a.time_s - c.time_s).collect(), 0.5),
+            dated: dated().count(),
+            dated_rightly: dated().filter(|rightly| *rightly).count(),
+            interval_median_s: quantile(intervals.map(|[from_s, to_s]| to_s - from_s).collect(), 0.5),
             named_rightly: count(true),
             named_wrongly: count(false),
         }

@@ -81,6 +81,8 @@ pub struct Consistency {
 pub struct Adoption {
     /// When, s.
     pub time_s: f64,
+    /// The times between which it is said to have happened, s; `None` of what is found in flight.
+    pub interval_s: Option<[f64; 2]>,
     /// What became of it.
     pub outcome: ChangeOutcome,
     /// The parameters that it calls changed, constants included, the most certain first.
@@ -88,16 +90,17 @@ pub struct Adoption {
 }
 
 impl Adoption {
-    /// Whether it cannot be the real change, because it came before that. What is found afterwards is dated by the record, with
-    /// an error of its own; what is found in flight is found after it.
+    /// Whether it cannot be the real change, because it came before that: what is found afterwards lies between two times, what
+    /// is found in flight is found after it.
     pub fn is_before(&self, change: &RealChange) -> bool {
-        let error_s = if self.outcome == ChangeOutcome::FoundAfterwards { DATED_S } else { 0.0 };
-        self.time_s < change.time_s - error_s
+        self.interval_s.map_or(self.time_s, |[_, to_s]| to_s) < change.time_s
+    }
+
+    /// Whether the real change happened between the times that are given; `None` where none are.
+    pub fn is_dated_rightly(&self, change: &RealChange) -> Option<bool> {
+        self.interval_s.map(|[from_s, to_s]| (from_s..=to_s).contains(&change.time_s))
     }
 }
-
-/// Error of the time of a change that is found afterwards, s, within which it counts as that change.
-const DATED_S: f64 = 2.0;
 
 /// Standard errors from which a parameter is called changed, as the verdict does.
 const CHANGED: f64 = 3.0;
@@ -300,7 +303,7 @@ fn adoptions(estimation: &Estimation, truth: &Truth) -> Adoptions {
             let mut changed: Vec<_> = change.parameters.iter().filter(|p| p.sigmas().abs() > CHANGED).collect();
             changed.sort_by(|a, b| b.sigmas().abs().total_cmp(&a.sigmas().abs()));
             let changed = changed.iter().map(|p| p.name.clone()).collect();
-            Adoption { time_s: change.time_s, outcome: change.outcome, changed }
+            Adoption { time_s: change.time_s, interval_s: change.interval_s, outcome: change.outcome, changed }
         })
         .collect();
     let Some(first) = adopted.first().map(|a| a.time_s) else { return Adoptions::default() };

@@ -16,6 +16,12 @@ impl From<f64> for Cell<'_> {
     }
 }
 
+impl From<Option<f64>> for Cell<'_> {
+    fn from(value: Option<f64>) -> Self {
+        Self::Number(value)
+    }
+}
+
 impl<'a> From<&'a str> for Cell<'a> {
     fn from(words: &'a str) -> Self {
         Self::Words(words)
@@ -109,11 +115,22 @@ pub fn xlsx(estimation: &Estimation) -> Result<Vec<u8>, XlsxError> {
     sheet("Covariance", &names, &matrix(&|i, j| std_error(i) * std_error(j)))?;
 
     if !estimation.changes.is_empty() {
-        let columns = ["time (s)", "name", "before", "before, std_error", "after", "after, std_error"];
+        let columns = [
+            "time (s)",
+            "not before (s)",
+            "not after (s)",
+            "name",
+            "before",
+            "before, std_error",
+            "after",
+            "after, std_error",
+        ];
         let rows = estimation.changes.iter().flat_map(|change| {
             change.parameters.iter().map(|p| {
                 vec![
                     change.time_s.into(),
+                    change.interval_s.map(|[from_s, _]| from_s).into(),
+                    change.interval_s.map(|[_, to_s]| to_s).into(),
                     p.name.as_str().into(),
                     p.before.into(),
                     p.before_std.into(),

@@ -100,6 +100,7 @@ fn consistency<const R: usize>(file: &ModelFile, run: &Run<R>) -> Vec<OutputCons
 fn changes<const R: usize>(columns: &[(&Parameter, Option<usize>)], run: &Run<R>) -> Vec<AdoptedChange> {
     let of = |change: &RunChange| AdoptedChange {
         time_s: change.time_s,
+        interval_s: change.interval_s,
         outcome: change.outcome,
         parameters: columns
             .iter()

@@ -350,8 +350,11 @@ fn before_and_after(change: &AdoptedChange, contradicted: bool) -> String {
         ChangeOutcome::FoundAfterwards => " It was found when the whole record was looked at again, not in flight.",
         ChangeOutcome::Confirmed | ChangeOutcome::RolledBack | ChangeOutcome::WithdrawnAfterwards => "",
     };
+    let when = change
+        .interval_s
+        .map_or_else(String::new, |[from_s, to_s]| format!(" (it happened between {from_s:.1} and {to_s:.1} s)"));
     format!(
-        "{what}: found at {time_s:.2} s; {list}. A term that the model lacks, another flight condition, or a sensor error \
+        "{what}: found at {time_s:.2} s{when}; {list}. A term that the model lacks, another flight condition, or a sensor error \
          that began then can look the same.{state}"
     )
 }

@@ -30,7 +30,7 @@ impl Changes {
                     last.after.clone_from(&before);
                 }
                 let outcome = ChangeOutcome::OnProbation;
-                self.found.push(RunChange { time_s, outcome, before, after: now() });
+                self.found.push(RunChange { time_s, interval_s: None, outcome, before, after: now() });
             }
             ChangeState::RolledBack => self.settle(ChangeOutcome::RolledBack),
             ChangeState::Steady => self.settle(ChangeOutcome::Confirmed),

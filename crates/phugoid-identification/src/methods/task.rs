@@ -54,6 +54,8 @@ pub(crate) struct Run<const R: usize> {
 #[derive(Clone, Debug)]
 pub(crate) struct RunChange {
     pub(crate) time_s: f64,
+    /// The times between which it happened, s; `None` where it was found in flight or given.
+    pub(crate) interval_s: Option<[f64; 2]>,
     pub(crate) outcome: ChangeOutcome,
     pub(crate) before: Vec<[f64; 2]>,
     pub(crate) after: Vec<[f64; 2]>,

@@ -42,10 +42,13 @@ fn one(estimation: &Estimation, change: &AdoptedChange) -> String {
             "Taken back when the whole record was looked at again: the record is not predicted better with it"
         }
     };
+    let when = change.interval_s.map_or_else(String::new, |[from_s, to_s]| {
+        format!(" It happened between {} and {} s.", fixed(from_s, 1), fixed(to_s, 1))
+    });
     let mut rows: Vec<_> = change.parameters.iter().collect();
     rows.sort_by(|a, b| b.sigmas().abs().total_cmp(&a.sigmas().abs()));
     let mut out = format!(
-        "<h3>At {} s</h3>\n<p>{outcome}.</p>\n{}",
+        "<h3>At {} s</h3>\n<p>{outcome}.{when}</p>\n{}",
         significant(change.time_s, 4),
         table(&[
             ("", "Parameter"),
