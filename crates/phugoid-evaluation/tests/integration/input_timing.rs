@@ -7,6 +7,7 @@ use std::path::Path;
 
 use phugoid_evaluation::field::truth::{Split, Truth, find};
 use phugoid_flight_data::record::Record;
+use phugoid_identification::estimate::{EstimateOptions, estimate};
 use phugoid_identification::lateral::LateralModel;
 use phugoid_identification::longitudinal::LongitudinalModel;
 use phugoid_identification::model_file::{InputHold, ModelFile};
@@ -145,4 +146,49 @@ fn how_surfaces_move_on_the_whole_field() {
         // How much is decided is what this is run for (docs/model-file.md); of that, 95 % has to be right.
         assert!(count.right >= 19 * count.wrong && count.right > 0, "{case}: {count:?}");
     }
+}
+
+/// The record with surfaces that have a sample of their own in every fourth row alone: with nothing in the rows between, or the
+/// last one again.
+fn recorded_slowly(record: &Record, repeated: bool) -> Record {
+    let mut slow = record.clone();
+    for channel in slow.channels.iter_mut().filter(|c| SURFACES.contains(&c.name.as_str())) {
+        let of = channel.values.clone();
+        let value = |row: usize| if repeated || row % 4 == 0 { of[row - row % 4] } else { f64::NAN };
+        channel.values = (0..of.len()).map(value).collect();
+    }
+    slow
+}
+
+/// An autopilot logs its rates at 50 Hz and its surfaces at 12.5 Hz. Held until the next sample they were late by 40 ms, and Cm_q
+/// and Cm_elevator of these flights came out by a fifth too large with bounds of that size, called sound.
+#[test]
+fn surfaces_that_are_slower_than_the_record_run_straight_between_their_own_samples() {
+    let flights = find(Path::new("tests/field"), Split::Develop).unwrap();
+    let mut seen = 0;
+    for flight in flights.iter().filter(|flight| flight.is_healthy() && flight.axes == "longitudinal") {
+        let file = ModelFile::open(flight.folder.join(&flight.model)).unwrap();
+        let record = Record::open(flight.folder.join(&flight.record)).unwrap();
+        let step_s = record.time[4] - record.time[0];
+        for repeated in [false, true] {
+            let slow = recorded_slowly(&record, repeated);
+            let ((hold, moved), is_certain, note) = decide(&slow, &file, false).unwrap();
+            assert_eq!((hold, moved.len(), is_certain), (InputHold::Interpolated, 0, true), "{note}");
+            // Each sample as of half of its step later: what a computer would have held.
+            let held = recorded_slowly(&stamped_late(&record, -0.5 * step_s), repeated);
+            let ((hold, ..), is_certain, note) = decide(&held, &file, false).unwrap();
+            assert_eq!((hold, is_certain), (InputHold::Held, true), "{note}");
+
+            let found = estimate(&slow, &file, &EstimateOptions::default(), &mut |_| ()).unwrap();
+            assert!(found.verdict.iter().any(|s| s.contains("slower than the record: it runs straight")));
+            let counting = flight.at_end().iter().filter(|(_, truth)| truth.counts());
+            for (parameter, truth) in counting.map(|(name, truth)| (found.parameter(name).unwrap(), truth)) {
+                let off = (parameter.value - truth.value).abs();
+                let std = parameter.random_std().hypot(parameter.systematic_std).hypot(truth.structure_std);
+                assert!(off < 2.0 * std, "{} {}: {parameter:?}, {truth:?}", flight.aircraft, flight.flight);
+                seen += 1;
+            }
+        }
+    }
+    assert!(seen >= 20, "{seen}");
 }

@@ -35,6 +35,8 @@ fn a_damage_that_was_missed_in_flight_is_found_in_the_whole_record() {
         let [change] = &found.changes[..] else { panic!("{:?}", found.changes) };
         assert_eq!(change.outcome, ChangeOutcome::FoundAfterwards);
         assert!((change.time_s - 28.0).abs() < 0.5, "{}", change.time_s);
+        let [from_s, to_s] = change.interval_s.unwrap();
+        assert!(from_s < 28.0 && 28.0 < to_s && to_s - from_s < 5.0, "{from_s} to {to_s}");
         for (name, before, after) in
             [("Cm_elevator", -1.458, -0.881), ("Cm_q", -28.203, -16.783), ("Cm_alpha", -1.304, -0.906)]
         {

@@ -115,6 +115,63 @@ pub(super) fn vertical(doubts: &mut Doubts) {
     doubts.add(&["az"], certainty, message);
 }
 
+/// Length of the windows over which the airspeed is compared with the accelerations, s: many samples of an airspeed that is
+/// recorded once a second would not fit into a shorter one.
+const AIRSPEED_WINDOW_S: f64 = 2.0;
+/// An acceleration along the path that is missing, m/s^2: three times the bias of the accelerometers of small autopilots.
+const MISSING: f64 = 0.3;
+/// Part of it that is left with the other sign of `ax`, at most.
+const LEFT: f64 = 0.5;
+
+/// Checks the sign of `ax`, the specific force along body x, forward. The airspeed changes as the accelerations along the path say,
+///
+/// ```text
+/// V' = (ax - g sin theta) cos a cos b + (ay + g cos theta sin phi) sin b + (az + g cos theta cos phi) sin a cos b
+/// ```
+///
+/// (R. V. Jategaonkar, *Flight Vehicle System Identification*, 2nd ed., AIAA 2015, chapter 10), in averages over two seconds. The
+/// sign is in doubt where the other one explains them at least twice as well.
+pub(super) fn forward(doubts: &mut Doubts) {
+    let names = ["true_airspeed", "alpha", "theta", "ax", "az"];
+    let [Some(speed), Some(alpha), Some(theta), Some(ax), Some(az)] = names.map(|name| doubts.values(name)) else {
+        return;
+    };
+    if doubts.any(&names) || doubts.any(&["phi"]) {
+        return;
+    }
+    let bank = bank(doubts);
+    let [beta, ay] = ["beta", "ay"].map(|name| doubts.values(name).filter(|_| !doubts.any(&[name])));
+    let known = |values: Option<&[f64]>, k: usize| values.map(|v| v[k]).filter(|v| v.is_finite()).unwrap_or(0.0);
+    let (bank, known) = (&bank, &known);
+    let along = |sign: f64| {
+        move |k: usize| {
+            let [(sin_a, cos_a), (sin_b, cos_b)] = [alpha[k], known(beta, k)].map(f64::sin_cos);
+            let down = az[k] + GRAVITY * theta[k].cos() * bank(k).cos();
+            // The accelerometer to the side may be missing where there is a sideslip.
+            let aside = ay.map_or(0.0, |ay| ay[k] + GRAVITY * theta[k].cos() * bank(k).sin());
+            (sign * ax[k] - GRAVITY * theta[k].sin()) * cos_a * cos_b + aside * sin_b + down * sin_a * cos_b
+        }
+    };
+    let over = |rate: &dyn Fn(usize) -> f64| windows(doubts.time(), speed, rate, AIRSPEED_WINDOW_S);
+    let durations = over(&|_| 1.0);
+    let missing = |rate: &dyn Fn(usize) -> f64| {
+        let of = |((change, expected), (_, duration)): (&(f64, f64), &(f64, f64))| {
+            (*duration > 0.5 * AIRSPEED_WINDOW_S).then(|| (change - expected).abs() / duration)
+        };
+        median_of_finite(over(rate).iter().zip(&durations).filter_map(of))
+    };
+    let (Some(as_recorded), Some(reversed)) = (missing(&along(1.0)), missing(&along(-1.0))) else { return };
+    if as_recorded > MISSING && reversed < LEFT * as_recorded {
+        let message = format!(
+            "has probably the wrong sign: with it, the airspeed should change by {} m/s^2 more than it does, with the other sign by \
+             {} m/s^2 (medians). It is positive forward: map it with scale -1",
+            Short(as_recorded),
+            Short(reversed)
+        );
+        doubts.add(&["ax"], Certainty::Doubtful, message);
+    }
+}
+
 /// Checks `nz`, the load factor, positive up: +1 in steady flight.
 pub(super) fn load_factor(doubts: &mut Doubts) {
     let Some(nz) = level_median(doubts, "nz") else { return };

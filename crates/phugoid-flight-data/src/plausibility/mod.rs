@@ -47,6 +47,7 @@ pub fn check(record: &Record) -> Vec<Doubt> {
     motion::angle_of_attack(&mut doubts);
     accelerations::vertical(&mut doubts);
     accelerations::load_factor(&mut doubts);
+    accelerations::forward(&mut doubts);
     air_data::density(&mut doubts);
     air_data::climb(&mut doubts);
     air_data::turning(&mut doubts);

@@ -178,6 +178,29 @@ fn gravity_that_was_taken_out_is_certain_only_in_a_whole_record() {
 }
 
 #[test]
+fn an_ax_that_is_positive_aft_is_noticed() {
+    let mut record = flight(0.0);
+    assert_eq!(check(&record), []);
+    let value = |name: &str, k: usize| record.channel(name).unwrap().values[k];
+    // At a speed that stays, along the path: ax cos a + az sin a = g sin(theta - a).
+    let along = |k: usize| {
+        let [alpha, theta, az] = ["alpha", "theta", "az"].map(|name| value(name, k));
+        (G * (theta - alpha).sin() - az * alpha.sin()) / alpha.cos()
+    };
+    let ax: Vec<f64> = (0..record.len()).map(along).collect();
+    let place = record.channels.iter().position(|channel| channel.name == "ax").unwrap();
+    record.channels[place].values.clone_from(&ax);
+    assert_eq!(check(&record), []);
+    record.channels[place].values = ax.iter().map(|ax| -ax).collect();
+    let [doubt] = &check(&record)[..] else { panic!("{:#?}", check(&record)) };
+    assert_eq!((doubt.channels.as_slice(), doubt.certainty), (["ax".to_owned()].as_slice(), Certainty::Doubtful));
+    assert!(doubt.message.contains("wrong sign") && doubt.message.contains("scale -1"), "{doubt}");
+    // An accelerometer with an ordinary bias.
+    record.channels[place].values = ax.iter().map(|ax| ax + 0.2).collect();
+    assert_eq!(check(&record), []);
+}
+
+#[test]
 fn milliseconds_read_as_seconds_are_noticed() {
     for (factor, unit) in [(1e3, "time_ms"), (1e6, "time_us")] {
         let mut record = flight(0.0);

@@ -71,6 +71,10 @@ impl<const N: usize, const R: usize> Flown<N, R> for Displaced<'_, N, R> {
         self.plant.measuring_output(state)
     }
 
+    fn unmeasured_start(&self, state: usize) -> Option<f64> {
+        self.plant.unmeasured_start(state)
+    }
+
     fn linearized_rates(
         &self,
         x: &[f64; N],

@@ -50,6 +50,13 @@ pub trait Flown<const N: usize, const R: usize> {
     /// The output that measures a state directly, if there is one.
     fn measuring_output(&self, state: usize) -> Option<usize>;
 
+    /// Where the search for the start of a state may begin that no output has measured, in the unit of the state; `None` where
+    /// nothing is known of it.
+    fn unmeasured_start(&self, state: usize) -> Option<f64> {
+        let _ = state;
+        None
+    }
+
     /// Rates, their state Jacobian and the regressors, written to `out`.
     fn linearized_rates(
         &self,

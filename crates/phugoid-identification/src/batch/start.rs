@@ -50,7 +50,9 @@ fn of_manoeuvre<const N: usize, const R: usize>(
             continue;
         }
         let first: [Option<f64>; N] = std::array::from_fn(|i| {
-            let output = m.plant.measuring_output(i)?;
+            let measured = m.plant.measuring_output(i);
+            let is_measured = measured.is_some_and(|output| m.outputs.iter().any(|y| y[output].is_finite()));
+            let Some(output) = measured.filter(|_| is_measured) else { return m.plant.unmeasured_start(i) };
             let values = m.outputs[from..to].iter().map(|y| y[output]).filter(|v| v.is_finite());
             let mut values: Vec<f64> = values.take(FIRST).collect();
             if whole || values.len() == FIRST { median(&mut values) } else { None }

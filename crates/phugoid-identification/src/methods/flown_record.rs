@@ -22,6 +22,11 @@ impl<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize> Flown<N, R>
         self.model.measuring_output(state)
     }
 
+    fn unmeasured_start(&self, state: usize) -> Option<f64> {
+        let [start, _] = self.level_start(*M::AXES.states().get(state)?)?;
+        Some(start)
+    }
+
     fn linearized_rates(
         &self,
         x: &[f64; N],

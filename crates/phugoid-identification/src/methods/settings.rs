@@ -6,7 +6,7 @@ use phugoid_estimators::levels::NoiseLearning;
 use phugoid_estimators::settings::{
     ChangeDetection, ChangePrior, EstimatorSettings, NoiseAdaptation, ParameterPrior, ProcessNoise,
 };
-use phugoid_flight_data::statistics::{median, median_step};
+use phugoid_flight_data::statistics::median_step;
 
 use crate::core::axes::Axes;
 use crate::core::error::EstimateError;
@@ -118,29 +118,16 @@ pub(super) fn learning<const N: usize, const R: usize, const P: usize>(
     own
 }
 
-/// Where a state that nothing measures starts, and one sigma of that: flight nearly level and straight, at about the
-/// reference speed. Two degrees of path angle and sideslip are what a flight that is called level may have.
+/// Where a state that nothing measures starts, and one sigma of that: the reference speed, or flight nearly level and straight.
 fn unmeasured_start<M: Motion<N, R>, const N: usize, const R: usize>(
     state: Output,
     prepared: &Prepared<M, N, R>,
     file: &ModelFile,
 ) -> [f64; 2] {
-    let first = |output: Output| -> Option<f64> {
-        let row = M::AXES.row(output)?;
-        let values = prepared.outputs.iter().map(|y| y[row]).filter(|v| v.is_finite());
-        median(&mut values.take(5).collect::<Vec<f64>>())
-    };
-    let degree = std::f64::consts::PI / 180.0;
-    match state {
-        Output::TrueAirspeed => {
-            let speed = file.aircraft.reference_speed.unwrap_or(0.0);
-            [speed, 0.05 * speed]
-        }
-        Output::Alpha => [first(Output::Theta).unwrap_or(0.0), 2.0 * degree],
-        Output::Theta => [first(Output::Alpha).unwrap_or(0.0), 2.0 * degree],
-        Output::Beta | Output::Phi => [0.0, 2.0 * degree],
-        _ => [0.0, degree],
-    }
+    prepared.level_start(state).unwrap_or_else(|| {
+        let speed = file.aircraft.reference_speed.unwrap_or(0.0);
+        [speed, 0.05 * speed]
+    })
 }
 
 fn prior(parameter: &Parameter, base: Base) -> ParameterPrior {

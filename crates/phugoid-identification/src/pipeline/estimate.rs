@@ -210,6 +210,7 @@ fn once<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     let prepared: Prepared<M, N, R> = prepare(record, model)?;
     let doubts = doubts(record, model)?;
     let noise = noise_levels(&prepared, model)?;
+    let model = &*prepared.with_time_of_surfaces(model);
     let task = Task { prepared: &prepared, file: model, options, noise: &noise, health };
     // The second look takes the second half.
     let first = if looks_back(&task) { 0.5 } else { 1.0 };

@@ -11,6 +11,7 @@ pub mod prepare;
 pub(crate) mod prepared;
 pub(crate) mod reaction;
 pub(crate) mod resample;
+pub(crate) mod slow_surface;
 pub(crate) mod surface;
 pub(crate) mod timing;
 pub mod trim;

@@ -91,6 +91,11 @@ impl OwnSamples {
         (middle >= 2.0 && 10 * regular >= 9 * gaps.len()).then_some(Self { rows, every: middle as usize })
     }
 
+    /// The rows of the record that hold them.
+    pub(crate) fn rows(&self) -> &[usize] {
+        &self.rows
+    }
+
     /// How many of them are in the first rows of the record.
     pub(crate) fn up_to(&self, rows: usize) -> usize {
         self.rows.partition_point(|row| *row < rows)

@@ -21,6 +21,7 @@ pub use crate::preparation::prepared::Prepared;
 use crate::preparation::prepared::speeds;
 use crate::preparation::reaction::surfaces;
 use crate::preparation::resample::earlier;
+use crate::preparation::slow_surface::SlowSurface;
 use crate::preparation::surface::{self, SurfaceNoise};
 use crate::preparation::timing::timing;
 use crate::preparation::trim::{LevelTrim, TrimCondition, level_trim};
@@ -42,6 +43,16 @@ fn unseen_moves(name: &str, time: &[f64], elevator: &[f64], seen: &[bool]) -> Op
              for it"
         )
     })
+}
+
+/// Says that a surface is slower than the record, and how it is taken between its own samples.
+fn slowness(slow: &SlowSurface, is_straight: bool) -> String {
+    let how = if is_straight { "it runs straight" } else { "it is held" };
+    format!(
+        "the {} has a sample every {:.0} ms, which is slower than the record: {how} between them",
+        slow.name,
+        1e3 * slow.step_s
+    )
 }
 
 /// Says that a surface was smoothed.
@@ -67,10 +78,19 @@ pub fn prepare<M: Motion<N, R>, const N: usize, const R: usize>(
     record: &Record,
     file: &ModelFile,
 ) -> Result<Prepared<M, N, R>, EstimateError> {
-    let mut prepared = collect(record, file, &surface::smooth)?;
+    let mut prepared = collect(record, file, Sight::Whole)?;
     if file.input == InputHold::Auto {
         let mut times = surfaces(&prepared, file);
+        for time in &mut times {
+            // Held, it is late by half of its own step.
+            let slow = prepared.slow_surfaces.iter().find(|slow| slow.name == time.name);
+            time.step_s = slow.map_or(time.step_s, |slow| slow.step_s);
+        }
         let found = timing(&times);
+        let is_told = !times.is_empty();
+        let said = prepared.take_slow_surfaces(is_told, found.is_certain, found.hold);
+        prepared.notes.extend(said);
+        let hold = if is_told || !prepared.has_only_slow_surfaces() { found.hold } else { InputHold::Interpolated };
         for (name, late_s) in &found.late_s {
             for signal in prepared.known.iter_mut().filter(|signal| signal.name == *name) {
                 signal.values = earlier(&prepared.time, &signal.values, *late_s);
@@ -81,12 +101,41 @@ pub fn prepare<M: Motion<N, R>, const N: usize, const R: usize>(
         }
         prepared.surface_times = Some(times);
         prepared.moved_s = found.late_s.iter().map(|(name, late_s)| ((*name).to_owned(), *late_s)).collect();
-        prepared.hold = found.hold;
-        prepared.inputs = model_inputs::<M, N, R>(&prepared.known, file, found.hold);
-        prepared.notes.extend(found.notes);
+        prepared.hold = hold;
+        prepared.inputs = model_inputs::<M, N, R>(&prepared.known, file, hold);
+        if hold == found.hold {
+            prepared.notes.extend(found.notes);
+        }
     }
     Ok(prepared)
 }
+
+impl<M: Motion<N, R>, const N: usize, const R: usize> Prepared<M, N, R> {
+    /// Holds the slow surfaces where they are to be held, and says how each is taken: as the record tells it, if it does; else
+    /// those with nothing between their own samples run straight, and those whose samples are repeated are held as they are.
+    fn take_slow_surfaces(&mut self, is_told: bool, is_certain: bool, hold: InputHold) -> Vec<String> {
+        let mut said = Vec::new();
+        for slow in &self.slow_surfaces {
+            let is_straight = if is_told { hold == InputHold::Interpolated } else { slow.has_gaps };
+            if !is_straight {
+                let of_it = self.known.iter_mut().filter(|signal| signal.name == slow.name);
+                of_it.for_each(|signal| signal.values = slow.held(&self.time));
+            }
+            said.push(slowness(slow, is_straight));
+        }
+        if !is_certain && !self.slow_surfaces.is_empty() {
+            let open = self.slow_surfaces.iter().map(SlowSurface::undecided_std_s);
+            self.surface_time_std_s = open.fold(0.0, f64::max);
+            said.push(NOT_SEEN_BETWEEN.to_owned());
+        }
+        said
+    }
+}
+
+/// What is said where nothing tells how a slow surface moved.
+const NOT_SEEN_BETWEEN: &str = "the record does not tell how it moved between its samples: half of its step more or less is in \
+                                the bounds, as timing of surfaces. Record it faster, or say it in the model file with the line \
+                                input = \"held\" (commands) or input = \"interpolated\" (positions)";
 
 /// The input of the model at each sample, from the known inputs by name.
 fn model_inputs<M: Motion<N, R>, const N: usize, const R: usize>(
@@ -113,16 +162,32 @@ pub(crate) fn prepare_start<M: Motion<N, R>, const N: usize, const R: usize>(
     record: &Record,
     file: &ModelFile,
 ) -> Result<Prepared<M, N, R>, EstimateError> {
-    collect(record, file, &|_, values| surface::noise_of(values))
+    collect(record, file, Sight::Past)
 }
 
-/// Takes the noise from the positions of a surface at the times given (s, rad), and says what it was.
-type TakeNoise<'a> = &'a dyn Fn(&[f64], &mut [f64]) -> Option<SurfaceNoise>;
+/// Which samples may be looked at for the value of a surface.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Sight {
+    /// Those of the whole record: noise is smoothed away, and slow surfaces run straight to their next sample.
+    Whole,
+    /// Those before: surfaces stay as they were recorded, and are held until their next sample.
+    Past,
+}
+
+impl Sight {
+    /// Takes the noise from the positions of a surface (rad) at the times given (s), where that is possible, and says what it was.
+    fn take_noise(self, time_s: &[f64], values: &mut [f64]) -> Option<SurfaceNoise> {
+        match self {
+            Self::Whole => surface::smooth(time_s, values),
+            Self::Past => surface::noise_of(values),
+        }
+    }
+}
 
 fn collect<M: Motion<N, R>, const N: usize, const R: usize>(
     record: &Record,
     file: &ModelFile,
-    take_noise: TakeNoise<'_>,
+    sight: Sight,
 ) -> Result<Prepared<M, N, R>, EstimateError> {
     if file.axes != M::AXES {
         let (found, expected) = (file.axes.name(), M::AXES.name());
@@ -173,12 +238,29 @@ fn collect<M: Motion<N, R>, const N: usize, const R: usize>(
     let time = record.time[first..].to_vec();
     let mut unseen = Vec::new();
     let mut surface_noise = Vec::new();
+    let mut slow_surfaces = Vec::new();
     for signal in &mut known {
         signal.values.drain(..first);
         let is_surface = Axes::SURFACES.contains(&signal.name.as_str());
-        if let Some(noise) = is_surface.then(|| take_noise(&time, &mut signal.values)).flatten() {
+        let mut slow = is_surface.then(|| SlowSurface::of(&signal.name, &time, &signal.values)).flatten();
+        let noise = match &mut slow {
+            Some(slow) => sight.take_noise(&slow.time_s, &mut slow.values),
+            None if is_surface => sight.take_noise(&time, &mut signal.values),
+            None => None,
+        };
+        if let Some(noise) = noise {
             notes.extend(smoothing(&signal.name, noise));
             surface_noise.push((signal.name.clone(), noise));
+        }
+        if let Some(slow) = slow {
+            let is_straight = sight == Sight::Whole && file.input != InputHold::Held;
+            signal.values = if is_straight { slow.straight(&time) } else { slow.held(&time) };
+            // Where the record is to tell it, it is said afterwards.
+            if sight == Sight::Past || file.input != InputHold::Auto {
+                notes.push(slowness(&slow, is_straight));
+            }
+            slow_surfaces.push(slow);
+            continue;
         }
         let seen: Vec<bool> = signal.values.iter().map(|value| value.is_finite()).collect();
         let held = hold(&mut signal.values);
@@ -235,6 +317,13 @@ fn collect<M: Motion<N, R>, const N: usize, const R: usize>(
         hold,
         moved_s: Vec::new(),
         surface_times: None,
+        surface_time_std_s: match (sight, file.input) {
+            (Sight::Past, InputHold::Auto | InputHold::Interpolated) => {
+                slow_surfaces.iter().map(SlowSurface::held_std_s).fold(0.0, f64::max)
+            }
+            _ => 0.0,
+        },
+        slow_surfaces,
         surface_noise,
         reference,
         database_parts,

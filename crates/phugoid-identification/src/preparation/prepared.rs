@@ -1,5 +1,9 @@
 //! What a record gives the estimators: the samples, the model's constants, and what was assumed.
 
+use std::borrow::Cow;
+
+use phugoid_flight_data::statistics::median;
+
 use crate::core::axes::Axes;
 use crate::core::estimation::Signal;
 use crate::core::output::Output;
@@ -8,6 +12,7 @@ use crate::motion::{Motion, ReferencePoint};
 use crate::preparation::database_part::Condition;
 use crate::preparation::intake::Origin;
 use crate::preparation::reaction::delay::SurfaceDelay;
+use crate::preparation::slow_surface::SlowSurface;
 use crate::preparation::surface::SurfaceNoise;
 
 /// Samples that noise levels are measured from, at least.
@@ -35,6 +40,11 @@ pub struct Prepared<M: Motion<N, R>, const N: usize, const R: usize> {
     /// When the surfaces were recorded, after those that were late were moved; where the record had to say how they move
     /// between samples, or none.
     pub(crate) surface_times: Option<Vec<SurfaceDelay>>,
+    /// Surfaces that are slower than the record.
+    pub(crate) slow_surfaces: Vec<SlowSurface>,
+    /// One sigma of the time of the surfaces that the record does not tell, s: of surfaces that are slower than it, where it is not
+    /// certain how they moved between their own samples. Zero without any.
+    pub(crate) surface_time_std_s: f64,
     /// The noise of the surfaces that have some, by name.
     pub(crate) surface_noise: Vec<(String, SurfaceNoise)>,
     /// The reference point: the values at which the terms are zero.
@@ -52,6 +62,17 @@ impl<M: Motion<N, R>, const N: usize, const R: usize> Prepared<M, N, R> {
     pub fn noise_samples(&self) -> usize {
         let start = self.time.first().copied().unwrap_or(0.0);
         self.time.iter().take_while(|t| **t - start <= 2.0).count().max(FEWEST_SAMPLES).min(self.time.len())
+    }
+
+    /// The model file with what this record leaves open of the time of its surfaces among the declared uncertainties. `file` is
+    /// the one that the record was prepared for.
+    pub(crate) fn with_time_of_surfaces<'a>(&self, file: &'a ModelFile) -> Cow<'a, ModelFile> {
+        if self.surface_time_std_s == 0.0 {
+            return Cow::Borrowed(file);
+        }
+        let mut wider = file.clone();
+        wider.uncertainty.surface_skew = wider.uncertainty.surface_skew.hypot(self.surface_time_std_s);
+        Cow::Owned(wider)
     }
 
     /// The systematic error of each estimated parameter by the powers of the scales, in the order of the columns. `file` is
@@ -73,6 +94,30 @@ impl<M: Motion<N, R>, const N: usize, const R: usize> Prepared<M, N, R> {
 
     fn known_values(&self, name: &str) -> Option<&[f64]> {
         self.known.iter().find(|signal| signal.name == name).map(|signal| signal.values.as_slice())
+    }
+
+    /// Where a state (rad, rad/s) that nothing measures starts in flight that is nearly level and straight, and one sigma of that: two
+    /// degrees of path angle and sideslip are what a flight that is called level may have. `None` of the airspeed.
+    pub(crate) fn level_start(&self, state: Output) -> Option<[f64; 2]> {
+        let first = |output: Output| -> Option<f64> {
+            let row = M::AXES.row(output)?;
+            let values = self.outputs.iter().map(|y| y[row]).filter(|v| v.is_finite());
+            median(&mut values.take(5).collect::<Vec<f64>>())
+        };
+        let degree = std::f64::consts::PI / 180.0;
+        match state {
+            Output::TrueAirspeed => None,
+            Output::Alpha => Some([first(Output::Theta).unwrap_or(0.0), 2.0 * degree]),
+            Output::Theta => Some([first(Output::Alpha).unwrap_or(0.0), 2.0 * degree]),
+            Output::Beta | Output::Phi => Some([0.0, 2.0 * degree]),
+            _ => Some([0.0, degree]),
+        }
+    }
+
+    /// Whether every surface is slower than the record, with nothing recorded between its own samples.
+    pub(crate) fn has_only_slow_surfaces(&self) -> bool {
+        let is_slow = |name: &str| self.slow_surfaces.iter().any(|slow| slow.has_gaps && slow.name == name);
+        !self.slow_surfaces.is_empty() && self.surfaces().all(|signal| is_slow(&signal.name))
     }
 
     /// The positions of the control surfaces, rad, by sample.

@@ -36,6 +36,8 @@ const SKEW_SAMPLES: f64 = 0.3;
 pub(crate) struct Timing {
     /// How they move between samples.
     pub(crate) hold: InputHold,
+    /// True if the record tells it.
+    pub(crate) is_certain: bool,
     /// Surfaces to be moved, and how late they were recorded, s.
     pub(crate) late_s: Vec<(&'static str, f64)>,
     /// What was decided, and on which grounds.
@@ -49,7 +51,7 @@ pub(crate) fn timing(found: &[SurfaceDelay]) -> Timing {
             "`input`: whether the surfaces were held between samples cannot be seen in this record (too short, no flow angle, \
              or motion that no surface made); they are taken as held, {NOT_IN_BOUNDS}"
         );
-        return Timing { hold: InputHold::Held, late_s: Vec::new(), notes: vec![note] };
+        return Timing { hold: InputHold::Held, is_certain: false, late_s: Vec::new(), notes: vec![note] };
     }
     let said = |s: &SurfaceDelay| {
         format!("the {} was recorded {:+.1} ± {:.1} ms late", s.name, 1e3 * s.late_s, 2e3 * std_s(s))
@@ -72,13 +74,14 @@ pub(crate) fn timing(found: &[SurfaceDelay]) -> Timing {
         percent(held),
         percent(alike + each)
     );
-    let doubt = if fits && probability >= CERTAIN {
+    let is_certain = fits && probability >= CERTAIN;
+    let doubt = if is_certain {
         String::new()
     } else {
         format!(". This is not certain: the nearer of straight and held is taken, {NOT_IN_BOUNDS}")
     };
     let note = format!("`input`: the surfaces {word} between samples: {grounds}{doubt}");
-    Timing { hold, late_s: Vec::new(), notes: vec![note] }
+    Timing { hold, is_certain, late_s: Vec::new(), notes: vec![note] }
 }
 
 /// How probable each way of recording is once the times are known.
@@ -152,7 +155,7 @@ fn skewed(found: &[SurfaceDelay], alike: bool, grounds: &str) -> Timing {
          nor held: what was recorded late was moved earlier, {}. Check time stamps and filters{doubt}",
         by.join(", ")
     );
-    Timing { hold: InputHold::Interpolated, notes: vec![note], late_s: moved }
+    Timing { hold: InputHold::Interpolated, is_certain: is_known, notes: vec![note], late_s: moved }
 }
 
 /// The mean delay, each by what it says, and one sigma of it, s.

@@ -72,6 +72,7 @@ where
     let prepared = prepare_start::<M, N, R>(start, file)?;
     doubts(start, file)?;
     let noise = noise_levels(&prepared, file)?;
+    let file = &*prepared.with_time_of_surfaces(file);
     let task = Task { prepared: &prepared, file, options, noise: &noise, health: None };
     let position = |name: &str| channels.iter().position(|channel| channel == name);
     let known = prepared.known.iter().zip(&prepared.origins).map(|(signal, origin)| Input {
