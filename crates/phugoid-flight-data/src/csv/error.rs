@@ -71,6 +71,22 @@ pub enum ReadError {
         /// The longest line that is read, bytes.
         max_bytes: usize,
     },
+    /// A column has numbers that mean a thousand and more by the marks of the other columns, and others that deny it.
+    #[error(
+        "{source_name}, column '{header}': '{thousands}' is a thousand and more where the file has its decimals behind the other \
+         mark, and '{decimals}' in the same column has decimals behind this one. Write the column without marks of thousands, \
+         and all numbers of the file with one decimal mark"
+    )]
+    Marks {
+        /// Name of the file or stream, as the caller gave it.
+        source_name: String,
+        /// Header of the column.
+        header: String,
+        /// A number whose mark could separate thousands.
+        thousands: String,
+        /// A number whose mark cannot.
+        decimals: String,
+    },
     /// The cells were read, but no record can be made of them.
     #[error(transparent)]
     Table(#[from] TableError),

@@ -1,7 +1,9 @@
-//! The layout of a CSV file: what separates cells and lines, and the decimal mark.
+//! The layout of a CSV file: what separates cells and lines, and the decimal marks.
+
+use std::cmp::Ordering;
 
 use super::ReadError;
-use super::cells::{self, Cell};
+use super::cells::{self, Cell, Evidence, Mark};
 
 /// What separates the cells of a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,10 +17,15 @@ pub(super) const DELIMITERS: [Delimiter; 5] =
     [Delimiter::Byte(b','), Delimiter::Byte(b';'), Delimiter::Byte(b'\t'), Delimiter::Byte(b'|'), Delimiter::Blanks];
 
 /// The layout of a file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Format {
     pub(super) delimiter: Delimiter,
     pub(super) decimal_comma: bool,
+    /// Whether numbers of the file that can be read in one way alone all have this mark, so that the other one, where it stands,
+    /// separates thousands.
+    pub(super) certain: bool,
+    /// Columns that are read by a mark of their own.
+    pub(super) marks: Vec<(usize, Mark)>,
     /// The last byte of a line.
     pub(super) line_end: u8,
     /// Number of rows above the header that are no part of the table.
@@ -42,7 +49,7 @@ impl Format {
     }
 
     /// The cells of a line, without blanks around them. What `scratch` holds is used again from line to line.
-    pub(super) fn cells<'a>(&self, line: &'a str, scratch: &'a mut Scratch) -> Cells<'a> {
+    pub(super) fn cells<'a>(&'a self, line: &'a str, scratch: &'a mut Scratch) -> Cells<'a> {
         let Scratch { unquoted, places, with_points } = scratch;
         places.clear();
         let text = match self.delimiter {
@@ -86,7 +93,7 @@ impl Format {
                 &unquoted.text
             }
         };
-        Cells { text, places, decimal_comma: self.decimal_comma }
+        Cells { text, places, format: self }
     }
 
     /// Where the cells of a line without quotes lie. A cell that is a number is read on the way to its end, so that no byte of it
@@ -143,7 +150,7 @@ impl Place {
 pub(super) struct Cells<'a> {
     text: &'a str,
     places: &'a [Place],
-    decimal_comma: bool,
+    format: &'a Format,
 }
 
 impl<'a> Cells<'a> {
@@ -161,10 +168,19 @@ impl<'a> Cells<'a> {
     /// What a cell holds; nothing where there is none.
     #[inline]
     pub(super) fn read(&self, column: usize) -> Cell {
+        let Format { decimal_comma, certain, marks, .. } = self.format;
+        if !marks.is_empty()
+            && let Some((_, mark)) = marks.iter().find(|(of, _)| *of == column)
+        {
+            return cells::parse_marked(self.get(column), *mark);
+        }
         match self.places.get(column).and_then(|place| place.number) {
             Some(value) if value.is_finite() => Cell::Value(value),
             Some(_) => Cell::Missing,
-            None => cells::parse(self.get(column), self.decimal_comma),
+            None if *certain => {
+                cells::parse_marked(self.get(column), if *decimal_comma { Mark::Comma } else { Mark::Point })
+            }
+            None => cells::parse(self.get(column), *decimal_comma),
         }
     }
 
@@ -251,29 +267,79 @@ pub(super) fn sniff(sample: &[u8], complete: bool, wanted: Option<char>) -> Form
         lines.pop();
     }
     let preset = lines.first().and_then(|first| separator_line(first));
-    let rows: Vec<&str> = lines.iter().copied().filter(|line| is_row(line)).take(MOST_TITLES + 30).collect();
-    let with = |delimiter| Format { delimiter, decimal_comma: false, line_end, titles: 0 };
+    let all: Vec<&str> = lines.iter().copied().filter(|line| is_row(line)).collect();
+    let rows = all.get(..MOST_TITLES + 30).unwrap_or(&all);
+    let with =
+        |delimiter| Format { delimiter, decimal_comma: false, certain: false, marks: Vec::new(), line_end, titles: 0 };
     let chosen = wanted.or(preset).map(|c| match c {
         ' ' => Delimiter::Blanks,
         c => u8::try_from(c).map_or(Delimiter::Byte(b','), Delimiter::Byte),
     });
-    let mut format = with(chosen.unwrap_or_else(|| best_delimiter(&rows, with)));
-    format.titles = titles(&rows, format);
-    let rows = rows.get(format.titles..).unwrap_or_default();
-    // Decimal commas: numbers written with a comma, and none with a point.
-    let mut commas = false;
+    let mut format = with(chosen.unwrap_or_else(|| best_delimiter(rows, with)));
+    format.titles = titles(rows, &format);
+    let table = all.get(format.titles..).unwrap_or_default();
+    find_marks(&mut format, table);
+    format
+}
+
+/// How many cells of a column say what about its decimal mark.
+#[derive(Clone, Copy, Default)]
+struct Said {
+    point: usize,
+    comma: usize,
+    point_or_thousands: usize,
+    comma_or_thousands: usize,
+}
+
+/// Finds the decimal marks: of each column by its own numbers, and where those can be read in two ways by the other columns.
+fn find_marks(format: &mut Format, rows: &[&str]) {
+    let mut said: Vec<Said> = Vec::new();
     let mut scratch = Scratch::default();
     for row in rows.iter().skip(1) {
-        for cell in format.cells(row, &mut scratch).iter() {
-            let point = cell.contains('.') && matches!(cells::parse(cell, false), Cell::Value(_));
-            if point {
-                return format;
+        for (column, cell) in format.cells(row, &mut scratch).iter().enumerate() {
+            let found = cells::evidence(cell);
+            if found == Evidence::Nothing {
+                continue;
             }
-            commas |= cells::has_decimal_comma(cell);
+            if said.len() <= column {
+                said.resize(column + 1, Said::default());
+            }
+            let Some(of) = said.get_mut(column) else { continue };
+            match found {
+                Evidence::Point => of.point += 1,
+                Evidence::Comma => of.comma += 1,
+                Evidence::PointOrThousands => of.point_or_thousands += 1,
+                Evidence::CommaOrThousands => of.comma_or_thousands += 1,
+                Evidence::Nothing => {}
+            }
         }
     }
-    format.decimal_comma = commas;
-    format
+    // A number in the wrong column, or a slip, does not outweigh the others of its column.
+    let own = |of: &Said| match of.point.cmp(&of.comma) {
+        Ordering::Greater => Some(Mark::Point),
+        Ordering::Less => Some(Mark::Comma),
+        Ordering::Equal => None,
+    };
+    let count = |mark: Mark| said.iter().filter(|of| own(of) == Some(mark)).count();
+    let (points, commas) = (count(Mark::Point), count(Mark::Comma));
+    match (points, commas) {
+        // Nothing can be read in one way alone: points are decimal ones, and commas where there are no points.
+        (0, 0) => {
+            let any = |of: fn(&Said) -> usize| said.iter().any(|column| of(column) > 0);
+            let points = any(|of| of.point + of.point_or_thousands);
+            let commas = any(|of| of.comma + of.comma_or_thousands);
+            format.decimal_comma = commas && !points;
+        }
+        (_, 0) | (0, _) => {
+            format.decimal_comma = commas > 0;
+            format.certain = true;
+        }
+        // Columns of two makes: what says nothing about itself is in doubt.
+        (_, _) => {
+            format.decimal_comma = commas > points;
+            format.marks = said.iter().map(|of| own(of).unwrap_or(Mark::Unknown)).enumerate().collect();
+        }
+    }
 }
 
 /// The delimiter with which most of the first rows have as many cells as the header; of equally good ones, that with
@@ -282,7 +348,8 @@ fn best_delimiter(rows: &[&str], with: impl Fn(Delimiter) -> Format) -> Delimite
     let mut best = (Delimiter::Byte(b','), 0, 1);
     let mut scratch = Scratch::default();
     for candidate in DELIMITERS {
-        let counts: Vec<usize> = rows.iter().map(|row| with(candidate).cells(row, &mut scratch).len()).collect();
+        let format = with(candidate);
+        let counts: Vec<usize> = rows.iter().map(|row| format.cells(row, &mut scratch).len()).collect();
         let Some((&header, below)) = counts.split_first() else { continue };
         let agreeing = 1 + below.iter().filter(|&&count| count == header).count();
         if header >= 2 && (agreeing, header) > (best.1, best.2) {
@@ -292,7 +359,8 @@ fn best_delimiter(rows: &[&str], with: impl Fn(Delimiter) -> Format) -> Delimite
     // Below titles the header is not the first row: the number of cells that most rows have tells.
     let first_alone = best.1 <= 1;
     for candidate in DELIMITERS.into_iter().filter(|_| first_alone && rows.len() > 3) {
-        let counts: Vec<usize> = rows.iter().map(|row| with(candidate).cells(row, &mut scratch).len()).collect();
+        let format = with(candidate);
+        let counts: Vec<usize> = rows.iter().map(|row| format.cells(row, &mut scratch).len()).collect();
         let (cells, agreeing) = most_frequent(&counts);
         if cells >= 2 && 2 * agreeing > rows.len() && (agreeing, cells) > (best.1, best.2) {
             best = (candidate, agreeing, cells);
@@ -311,7 +379,7 @@ fn most_frequent(counts: &[usize]) -> (usize, usize) {
 }
 
 /// Number of the first rows that are titles above a table: less than half as many filled cells as most rows have.
-fn titles(rows: &[&str], format: Format) -> usize {
+fn titles(rows: &[&str], format: &Format) -> usize {
     let mut scratch = Scratch::default();
     let mut filled_of = |row: &&str| format.cells(row, &mut scratch).iter().filter(|cell| !cell.is_empty()).count();
     let filled: Vec<usize> = rows.iter().map(&mut filled_of).collect();
@@ -377,7 +445,14 @@ mod tests {
                 ('-', false),
             ] {
                 let byte = delimiter as u8;
-                let format = Format { delimiter: Delimiter::Byte(byte), decimal_comma, line_end: b'\n', titles: 0 };
+                let format = Format {
+                    delimiter: Delimiter::Byte(byte),
+                    decimal_comma,
+                    certain: false,
+                    marks: Vec::new(),
+                    line_end: b'\n',
+                    titles: 0,
+                };
                 let mut scratch = Scratch::default();
                 let cells = format.cells(line, &mut scratch);
                 let expected: Vec<&str> = line.split(delimiter).map(str::trim).collect();
@@ -388,6 +463,27 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// What a point or a comma means is asked of the column, and where that does not say it, of the others.
+    #[test]
+    fn each_column_has_its_decimal_mark() {
+        let read = |text: &str| -> Vec<Cell> {
+            let format = sniff(text.as_bytes(), true, None);
+            let last = text.lines().next_back().unwrap();
+            let mut scratch = Scratch::default();
+            let cells = format.cells(last, &mut scratch);
+            (0..cells.len()).map(|column| cells.read(column)).collect()
+        };
+        use Cell::{Grouped, Text, Value};
+        assert_eq!(read("a;b;c\n0,5;5.003;1 234\n"), [Value(0.5), Grouped(5003.0), Grouped(1234.0)]);
+        assert_eq!(read("a;b\n0.5;5,003\n"), [Value(0.5), Grouped(5003.0)]);
+        assert_eq!(read("a;b\n0,5;5.1\n"), [Value(0.5), Value(5.1)]);
+        // Columns of two makes do not say which of them a third one is.
+        assert_eq!(read("a;b;c\n0,5;5.1;5.003\n"), [Value(0.5), Value(5.1), Text]);
+        // Nothing but these: with decimals.
+        assert_eq!(read("a;b\n1;5.003\n"), [Value(1.0), Value(5.003)]);
+        assert_eq!(read("a;b\n1;5,003\n"), [Value(1.0), Value(5.003)]);
     }
 
     #[test]

@@ -5,7 +5,7 @@
 //! - a header line with names and units in any usual form (`alpha_deg`, `Alpha [deg]`, `KTAS`), also as a comment, in
 //!   quotes, with a byte-order mark, or with a row of units below it;
 //! - comma, semicolon, tab, bar or blanks between the cells, and decimal commas where the cells have no commas between
-//!   them;
+//!   them; thousands that are separated by blanks, apostrophes, or the mark that does not stand before decimals;
 //! - comment lines (`#`), and line ends of Unix, Windows and old Macs;
 //! - empty cells, `NaN`, `inf` and `NA` as missing values;
 //! - times in any unit of time, or as a clock (`12:34:56.7`, `2024-05-01T12:34:56Z`).
@@ -65,6 +65,8 @@ pub struct CsvOptions {
     pub sample_time_s: Option<f64>,
     /// A step in time longer than this many median steps is reported as a gap. More than 1.
     pub gap_factor: f64,
+    /// Whether times that begin more than a second from zero count from the first row ([`TableOptions::count_from_first`]).
+    pub count_from_first: bool,
     /// The most memory that reading may take (default 200 MB), see [`crate::memory`].
     pub max_memory: Memory,
 }
@@ -78,8 +80,16 @@ impl Default for CsvOptions {
 impl CsvOptions {
     /// The options of tables with what concerns text: the character between cells.
     pub(crate) fn of(options: TableOptions, delimiter: Option<char>) -> Self {
-        let TableOptions { columns, column_names, variable: _, sample_time_s, gap_factor, max_memory } = options;
-        Self { columns, column_names, delimiter, sample_time_s, gap_factor, max_memory }
+        let TableOptions {
+            columns,
+            column_names,
+            variable: _,
+            sample_time_s,
+            gap_factor,
+            count_from_first,
+            max_memory,
+        } = options;
+        Self { columns, column_names, delimiter, sample_time_s, gap_factor, count_from_first, max_memory }
     }
 
     /// The options that do not concern text, as other formats of tables take them.
@@ -90,6 +100,7 @@ impl CsvOptions {
             variable: None,
             sample_time_s: self.sample_time_s,
             gap_factor: self.gap_factor,
+            count_from_first: self.count_from_first,
             max_memory: self.max_memory,
         }
     }

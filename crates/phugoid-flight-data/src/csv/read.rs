@@ -65,7 +65,7 @@ pub(crate) fn read_counted(
         Head { source, line: Some(line), headers: &headers, units: units.as_deref(), first_row: first_row.as_deref() };
     let table_options = options.table();
     let plan = columns::plan(&head, &table_options, &mut report)?;
-    let mut rows = Rows::new(plan, headers.len(), line, file.format);
+    let mut rows = Rows::new(plan, headers.len(), line, file.format.clone());
     if let Some(mut row) = carried {
         rows.add(&row, source, options, account)?;
         while file.read_row(&mut row)? {

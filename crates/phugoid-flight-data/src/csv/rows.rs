@@ -1,6 +1,6 @@
 //! Collects the rows of a CSV file, and counts what is wrong with those that are left out.
 
-use super::cells::Cell;
+use super::cells::{self, Cell, Evidence};
 use super::format::{Cells, Format, Scratch};
 use super::text_file::Row;
 use super::{CsvOptions, ReadError};
@@ -25,6 +25,8 @@ pub(super) struct Rows {
     too_long: Lines,
     blank_at_end: Lines,
     no_time: Lines,
+    /// The time's cell of the first row without a time.
+    untimed: String,
     cut: Option<usize>,
     unended: Option<usize>,
     /// Smallest number of characters in the last cell of the rows that have a line end.
@@ -34,9 +36,20 @@ pub(super) struct Rows {
     truncated_number: Option<(usize, String)>,
     /// Per channel: the rows whose cell is text, and the first such text.
     text: Vec<(Lines, String)>,
+    /// Per channel: what its numbers say about marks of thousands.
+    grouped: Vec<Grouped>,
     /// Set by the first time that is written as a clock.
     clock: Option<Clock>,
     scratch: Scratch,
+}
+
+/// Numbers of one channel that tell how its points and commas are meant.
+#[derive(Clone, Default)]
+struct Grouped {
+    /// The first number whose thousands are separated by a point or a comma, and what it was read as.
+    first: Option<(String, f64)>,
+    /// The first number that contradicts: the same mark stands before decimals.
+    contradicts: Option<String>,
 }
 
 impl Rows {
@@ -58,11 +71,13 @@ impl Rows {
             too_long: Lines::default(),
             blank_at_end: Lines::default(),
             no_time: Lines::default(),
+            untimed: String::new(),
             cut: None,
             unended: None,
             shortest_last: usize::MAX,
             truncated_number: None,
             text: vec![(Lines::default(), String::new()); count],
+            grouped: vec![Grouped::default(); count],
             clock: None,
             scratch: Scratch::default(),
         }
@@ -107,6 +122,9 @@ impl Rows {
             self.unended = Some(row.line);
         }
         let Some(time) = time(self.plan.time.as_ref(), &mut self.clock, cells, row_index, options) else {
+            if let (0, Some(column)) = (self.no_time.count(), &self.plan.time) {
+                self.untimed = cut(cells.get(column.column), 20);
+            }
             self.no_time.add(row.line);
             return Ok(());
         };
@@ -114,15 +132,27 @@ impl Rows {
         taken.map_err(|excess| TableError::from(account.over_so_far(excess, source, format!("line {}", row.line))))?;
         self.table.time.push(time);
         self.table.lines.push(row.line);
-        for ((channel, values), text) in self.plan.channels.iter().zip(&mut self.table.columns).zip(&mut self.text) {
+        let channels = self.plan.channels.iter().zip(&mut self.table.columns);
+        for (((channel, values), text), grouped) in channels.zip(&mut self.text).zip(&mut self.grouped) {
             values.push(channel.value(|column| {
                 let cell = if half && column == last { Cell::Missing } else { cells.read(column) };
                 match cell {
                     Cell::Value(value) => value,
+                    Cell::Grouped(value) => {
+                        let cell = cells.get(column);
+                        if grouped.first.is_none() && cell.contains(['.', ',']) {
+                            grouped.first = Some((cut(cell, 20), value));
+                        }
+                        value
+                    }
                     Cell::Missing => f64::NAN,
                     Cell::Text => {
+                        let cell = cells.get(column);
                         if text.0.count() == 0 {
-                            text.1 = cut(cells.get(column), 20);
+                            text.1 = cut(cell, 20);
+                        }
+                        if grouped.first.is_some() && grouped.contradicts.is_none() && is_of_another_mark(cell) {
+                            grouped.contradicts = Some(cut(cell, 20));
                         }
                         text.0.add(row.line);
                         f64::NAN
@@ -142,6 +172,18 @@ impl Rows {
         if self.table.time.is_empty() {
             let (line, reason) = (Some(self.header_line), self.why_no_rows());
             return Err(TableError::NoRows { source_name: source.to_owned(), line, reason }.into());
+        }
+        for (channel, grouped) in self.plan.channels.iter().zip(&self.grouped) {
+            if let (Some((thousands, _)), Some(decimals)) = (&grouped.first, &grouped.contradicts)
+                && matches!(cells::evidence(thousands), Evidence::PointOrThousands | Evidence::CommaOrThousands)
+            {
+                return Err(ReadError::Marks {
+                    source_name: source.to_owned(),
+                    header: channel.header.clone(),
+                    thousands: thousands.clone(),
+                    decimals: decimals.clone(),
+                });
+            }
         }
         self.report_rows(&mut report);
         if let Some(time) = self.plan.time.as_mut().filter(|_| self.clock.is_some()) {
@@ -178,7 +220,11 @@ impl Rows {
             ));
         }
         if untimed > 0 {
-            reasons.push(format!("{} without a time ({})", plural(untimed, "row"), self.no_time.place()));
+            let found = match self.untimed.as_str() {
+                "" => String::new(),
+                cell => format!(": '{cell}' is none that is understood"),
+            };
+            reasons.push(format!("{} without a time ({}){found}", plural(untimed, "row"), self.no_time.place()));
         }
         reasons.join("; ")
     }
@@ -204,6 +250,21 @@ impl Rows {
         if self.no_time.count() > 0 {
             let rows = plural(self.no_time.count(), "row");
             report.warn(self.no_time.place(), format!("{rows} left out: no time, or one that is no number"));
+        }
+        for ((channel, (text, example)), grouped) in self.plan.channels.iter().zip(&self.text).zip(&self.grouped) {
+            let place = || format!("column '{}'", channel.header);
+            if let Some((cell, value)) = &grouped.first {
+                report.note(place(), format!("'{cell}' is read as {value}: the other mark stands before decimals"));
+            }
+            if text.count() > 0 && cells::evidence(example) != Evidence::Nothing {
+                report.warn(
+                    place(),
+                    format!(
+                        "'{example}' is a number with decimals or with marks of thousands, and the file does not say which: \
+                         write it without marks of thousands, and with the decimal mark of the other columns"
+                    ),
+                );
+            }
         }
         if let Some(line) = self.cut {
             report.warn(
@@ -231,6 +292,11 @@ impl Rows {
     }
 }
 
+/// Whether a cell that cannot be read is a number that can be meant in one way only: with the other decimal mark.
+fn is_of_another_mark(cell: &str) -> bool {
+    matches!(cells::evidence(cell), Evidence::Point | Evidence::Comma)
+}
+
 /// The time of a row, s; `None` where it has none.
 fn time(
     column: Option<&ColumnUse>,
@@ -247,7 +313,7 @@ fn time(
     if let Some(seconds) = clock.as_mut().and_then(|clock| clock.seconds(cells.get(column.column))) {
         return Some(seconds);
     }
-    if let Cell::Value(value) = cells.read(column.column) {
+    if let Cell::Value(value) | Cell::Grouped(value) = cells.read(column.column) {
         return Some(column.value(|_| value)).filter(|time| time.is_finite());
     }
     // The first clock time makes the clock, which goes on from row to row.

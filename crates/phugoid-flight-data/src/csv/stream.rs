@@ -102,15 +102,16 @@ impl RowReader {
     /// [`ReadError`]: as [`StreamColumns::new`], and [`ReadError::NoHeader`] if the header holds numbers.
     pub fn new(source: &str, header: &str, rows: &str, options: &CsvOptions) -> Result<Self, ReadError> {
         let format = format::sniff(format!("{header}\n{rows}").as_bytes(), true, options.delimiter);
-        let found = Self::with_format(source, header, format, options);
+        let found = Self::with_format(source, header, format.clone(), options);
         if options.delimiter.is_some() || !rows.trim().is_empty() {
             return found;
         }
         // A name may hold blanks, commas and semicolons, and no row tells yet which of them separate cells.
         let known = |reader: &Self| reader.columns.channels().filter(|name| channels::by_name(name).is_some()).count();
         let others = format::DELIMITERS.into_iter().filter(|delimiter| *delimiter != format.delimiter);
-        let others = others
-            .filter_map(|delimiter| Self::with_format(source, header, Format { delimiter, ..format }, options).ok());
+        let others = others.filter_map(|delimiter| {
+            Self::with_format(source, header, Format { delimiter, ..format.clone() }, options).ok()
+        });
         let score = |reader: &Result<Self, ReadError>| reader.as_ref().ok().map(known);
         others.map(Ok).fold(found, |best, other| if score(&other) > score(&best) { other } else { best })
     }
@@ -119,7 +120,10 @@ impl RowReader {
         let mut scratch = Scratch::default();
         let header = header.trim_start_matches('\u{feff}').trim_start_matches('#').trim();
         let cells = format.cells(header, &mut scratch);
-        if cells.iter().any(|cell| matches!(cells::parse(cell, format.decimal_comma), Cell::Value(_))) {
+        if cells
+            .iter()
+            .any(|cell| matches!(cells::parse(cell, format.decimal_comma), Cell::Value(_) | Cell::Grouped(_)))
+        {
             let found = cut(header, 60);
             return Err(ReadError::NoHeader { source_name: source.to_owned(), line: 1, found });
         }
@@ -145,7 +149,7 @@ impl RowReader {
             return Err(BadRow::Cells { found: cells.len(), expected: self.fields });
         }
         let number = |column: usize| match cells.read(column) {
-            Cell::Value(value) => Some(value),
+            Cell::Value(value) | Cell::Grouped(value) => Some(value),
             Cell::Missing | Cell::Text => None,
         };
         let clock = || {

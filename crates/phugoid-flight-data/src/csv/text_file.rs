@@ -187,7 +187,9 @@ impl<'s, R: Read> TextFile<'s, R> {
         let cells = self.cells(&row.text);
         let filled: Vec<&String> = cells.iter().filter(|cell| !cell.trim().is_empty()).collect();
         let unit = |cell: &&&String| !units::find(cell.trim_matches(['[', ']', '(', ')'])).is_empty();
-        let no_number = |cell: &&String| !matches!(cells::parse(cell, self.format.decimal_comma), Cell::Value(_));
+        let no_number = |cell: &&String| {
+            !matches!(cells::parse(cell, self.format.decimal_comma), Cell::Value(_) | Cell::Grouped(_))
+        };
         let is_unit_row = cells.len() <= headers.len()
             && filled.iter().all(no_number)
             && 2 * filled.iter().filter(unit).count() > filled.len();

@@ -608,6 +608,55 @@ fn layouts_of_other_tools() {
     assert_eq!(record.channels, expected.channels);
 }
 
+/// What a point or a comma is follows from what the file shows, and never makes another number of one.
+#[test]
+fn marks_of_thousands_are_no_decimal_marks() {
+    let table = |cells: &dyn Fn(i32) -> [String; 3]| {
+        let rows: String = (0..40).map(|k| cells(k).join(";") + "\n").collect();
+        read_text(&format!("Zeit [s];TAS [kt];Alt [ft]\n{rows}"))
+    };
+    let comma = |value: f64, decimals: usize| format!("{value:.decimals$}").replace('.', ",");
+    let time = |k: i32| comma(0.02 * f64::from(k), 2);
+    let altitudes = |record: &Record| -> Vec<f64> {
+        values(record, "altitude").iter().map(|metres| (metres / 0.3048 * 1e6).round() / 1e6).collect()
+    };
+    let feet = |k: i32| 5003 + k;
+    let expected: Vec<f64> = (0..40).map(|k| f64::from(feet(k))).collect();
+    for mark in [".", " ", "'", "\u{a0}", "\u{202f}"] {
+        let record = table(&|k| [time(k), "119,84".into(), format!("5{mark}{:03}", feet(k) - 5000)]).unwrap();
+        assert_eq!(altitudes(&record), expected, "{mark:?}");
+    }
+    let record = table(&|k| [time(k), "119,84".into(), format!("5.{:03},25", feet(k) - 5000)]).unwrap();
+    assert_eq!(altitudes(&record)[0], 5003.25);
+    // The other way round, in a file with decimal points.
+    let record =
+        table(&|k| [format!("{:.2}", 0.02 * f64::from(k)), "119.84".into(), format!("5,{:03}", feet(k) - 5000)]);
+    assert_eq!(altitudes(&record.unwrap()), expected);
+    // Each column by its own marks, where it has some of its own.
+    let record = table(&|k| [time(k), format!("119.{k}4"), "5003,25".into()]).unwrap();
+    assert!((values(&record, "true_airspeed")[0] - 119.04 * 1852.0 / 3600.0).abs() < 1e-9);
+    assert_eq!(altitudes(&record)[0], 5003.25);
+    // A third column of such a file is in doubt: named, and no number.
+    let record = table(&|k| [time(k), format!("119.{k}4"), "5.003".into()]).unwrap();
+    assert!(altitudes(&record).iter().all(|value| value.is_nan()));
+    says(&record, &["column 'Alt [ft]': '5.003' is a number with decimals or with marks of thousands"]);
+    // Nothing says that it is no decimal point.
+    let record = table(&|k| [k.to_string(), "119".into(), "5.003".into()]).unwrap();
+    assert_eq!(altitudes(&record)[0], 5.003);
+    // What was read as thousands is contradicted further on, behind what the layout is found from.
+    let rows: String = (0..6000)
+        .map(|k| format!("{};{}\n", comma(0.02 * f64::from(k), 2), if k < 5990 { "5.003" } else { "5.1" }))
+        .collect();
+    let error = refused(&format!("time_s;altitude_ft\n{rows}"));
+    assert!(
+        error.contains("column 'altitude_ft': '5.003' is a thousand and more") && error.contains("'5.1'"),
+        "{error}"
+    );
+    // The time is named with what stands there.
+    let error = refused("time_s;altitude_ft\nfirst;1\nsecond;2\n");
+    assert!(error.contains("'first' is none that is understood"), "{error}");
+}
+
 #[test]
 fn line_numbers_are_those_of_an_editor() {
     let record = good("# one\r\n\r\ntime_s,a1\r\n# four\r\n0,1\r\n1\r\n\r\n2,2\r\n");
