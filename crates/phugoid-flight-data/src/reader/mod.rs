@@ -44,6 +44,7 @@ use crate::memory::Account;
 use crate::printable;
 use crate::profile::{Profile, ProfileError};
 use crate::record::Record;
+use crate::table::TableOptions;
 
 impl Record {
     /// Opens a flight of any format that this build reads, with the default options.
@@ -69,7 +70,8 @@ impl Record {
 }
 
 /// Reads a flight of any format from the disk into a record in SI units; `-` is the standard input, for every format but
-/// Parquet and MCAP.
+/// Parquet and MCAP. The times of a table that begin more than a second from zero count from its first row; those of a log are
+/// the vehicle's own.
 ///
 /// # Errors
 /// [`ReadError`]: the file cannot be read or is damaged as a whole; this build does not read its format
@@ -201,6 +203,8 @@ fn table(
     account: &Account,
 ) -> Result<Record, ReadError> {
     let source = printable::path(path);
+    let options =
+        &ReadOptions { table: TableOptions { count_from_first: true, ..options.table.clone() }, ..options.clone() };
     match format {
         // The reader of CSV has the best messages for files that are no text.
         Format::Csv | Format::Utf16 => {

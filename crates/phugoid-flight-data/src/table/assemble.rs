@@ -48,7 +48,7 @@ pub(crate) fn record(read: Read<'_>, options: &TableOptions, mut report: Quality
         let reason = "only one time is left; a record needs at least two".to_owned();
         return Err(TableError::NoRows { source_name: source.to_owned(), line: header_line, reason });
     }
-    count_from_first(&mut table.time, clock.as_ref(), &mut report);
+    count_from_first(&mut table.time, clock.as_ref(), options, &mut report);
     let mut record = Record { source: source.to_owned(), time: table.time, ..Record::default() };
     report.rows_read = seen;
     report.rows_kept = record.time.len();
@@ -94,11 +94,17 @@ pub(crate) fn record(read: Read<'_>, options: &TableOptions, mut report: Quality
 
 /// Times from this one on are those of a calendar or of a clock, and no time of a flight, s.
 const CALENDAR_S: f64 = 86_400.0;
+/// Times that begin within this of zero count from the first row as they are, s: recorders give the first sample the time of its
+/// step or of their start.
+const NEAR_ZERO_S: f64 = 1.0;
 
-/// Counts the times of a clock or of a calendar from the first row, so that 4 s is four seconds into the record.
-fn count_from_first(time: &mut [f64], clock: Option<&Clock>, report: &mut QualityReport) {
+/// Counts the times of a clock or of a calendar from the first row, and where the options ask for it all others too, so that 4 s is
+/// four seconds into the record.
+fn count_from_first(time: &mut [f64], clock: Option<&Clock>, options: &TableOptions, report: &mut QualityReport) {
     let Some(&first) = time.first() else { return };
-    if clock.is_none() && first.abs() < CALENDAR_S {
+    let stays = if options.count_from_first { NEAR_ZERO_S } else { CALENDAR_S };
+    // A given sample time counts the rows already.
+    if clock.is_none() && (first.abs() <= stays || options.sample_time_s.is_some()) {
         return;
     }
     time.iter_mut().for_each(|t| *t -= first);

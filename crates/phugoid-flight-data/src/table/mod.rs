@@ -123,6 +123,9 @@ pub struct TableOptions {
     pub sample_time_s: Option<f64>,
     /// A step in time longer than this many median steps is reported as a gap. More than 1.
     pub gap_factor: f64,
+    /// Whether times that begin more than a second from zero count from the first row, as those of a clock and of a calendar
+    /// always do. [`crate::reader`] sets it, so that 4 s of a flight is four seconds into it.
+    pub count_from_first: bool,
     /// The most memory that reading may take (default 200 MB), see [`crate::memory`].
     pub max_memory: Memory,
 }
@@ -135,6 +138,7 @@ impl Default for TableOptions {
             variable: None,
             sample_time_s: None,
             gap_factor: 3.5,
+            count_from_first: false,
             max_memory: Memory::default(),
         }
     }

@@ -105,3 +105,30 @@ fn uneven_groups_of_equal_times_are_not_spread() {
     assert_eq!(record.time.len(), 12);
     assert!(says(&record, "not evenly spaced") && says(&record, "--sample-time"), "{}", record.quality);
 }
+
+/// Four seconds of a flight are four seconds into its table, whatever the time began at; the reader of text alone keeps the times.
+#[test]
+fn the_times_of_a_flight_count_from_its_first_row() {
+    use phugoid_flight_data::reader::{ReadOptions, read_path};
+    let file = std::env::temp_dir().join(format!("phugoid-late-{}.csv", std::process::id()));
+    for (header, first, seconds, expected) in [
+        ("Tiempo [s]", 100.0, 1.0, 0.0),
+        ("t [h]", 10.0, 3600.0, 0.0),
+        ("time_ms", 5000.0, 1e-3, 0.0),
+        ("time_s", -5.0, 1.0, 0.0),
+        // A first sample near zero keeps its time.
+        ("time_s", 0.02, 1.0, 0.02),
+        ("time_s", 0.0, 1.0, 0.0),
+    ] {
+        let rows: String = (0..50).map(|k| format!("{:.9},{k}\n", first + 0.02 * f64::from(k) / seconds)).collect();
+        let text = format!("{header},alpha_deg\n{rows}");
+        std::fs::write(&file, &text).unwrap();
+        let record = read_path(&file, &ReadOptions::default()).unwrap();
+        assert!((record.time[0] - expected).abs() < 1e-9, "{header}: {}", record.time[0]);
+        assert!((record.time[49] - expected - 0.98).abs() < 1e-4, "{header}: {}", record.time[49]);
+        assert_eq!(says(&record, "counts from the first row"), first.abs() * seconds > 1.0, "{header}");
+        let kept = csv::read(text.as_bytes(), "flight.csv", &CsvOptions::default()).unwrap();
+        assert!((kept.time[0] - first * seconds).abs() < 1e-6, "{header}: {}", kept.time[0]);
+    }
+    std::fs::remove_file(&file).unwrap();
+}
