@@ -97,11 +97,11 @@ pub const CHANNELS: &[ChannelSpec] = &[
     moving("nz", Number, "normal load factor -az/g", "up: about +1 in level flight", &["n_z", "load_factor", "normal_load_factor"]),
 
     moving("elevator", Angle, "elevator or all-moving tail deflection", "trailing edge down",
-        &["de", "delta_e", "elev", "elevator_deflection", "elevator_position", "elevator_angle", "stabilator"]),
+        &["de", "delta_e", "elev", "elevator_deflection", "elevator_position", "elevator_angle", "stabilator", "el"]),
     slow("aileron", Angle, "aileron deflection", "right aileron trailing edge down (rolls left)",
         &["da", "delta_a", "ail", "aileron_deflection", "aileron_position", "aileron_angle"]),
     slow("rudder", Angle, "rudder deflection", "trailing edge left (yaws left)",
-        &["dr", "delta_r", "rud", "rudder_deflection", "rudder_position", "rudder_angle"]),
+        &["dr", "delta_r", "rud", "rudder_deflection", "rudder_position", "rudder_angle", "rdr"]),
     slow("flaps", Angle, "trailing-edge flap deflection", "trailing edge down", &["flap", "flap_angle", "flap_position", "flap_deflection"]),
     slow("leading_edge_flap", Angle, "leading-edge flap deflection", "leading edge down", &["lef", "leading_edge_flaps"]),
     slow("speed_brake", Angle, "speed-brake deflection", "open", &["speedbrakes", "airbrake"]),
@@ -123,7 +123,7 @@ pub const CHANNELS: &[ChannelSpec] = &[
     slow("total_temperature", Temperature, "total temperature of the air", "", &["tat"]),
     slow("mach", Number, "Mach number", "", &["mach_number", "mach_no"]),
 
-    slow("thrust", Force, "total thrust of all engines", "forward", &["net_thrust", "total_thrust", "thrust_total", "t"]),
+    slow("thrust", Force, "total thrust of all engines", "forward", &["net_thrust", "total_thrust", "thrust_total", "thrust_x", "t"]),
     slow("mass", Mass, "mass of the aircraft", "", &["aircraft_mass", "gross_mass", "weight", "gross_weight"]),
     slow("ixx", Inertia, "moment of inertia about body x", "", &["jx", "i_xx"]),
     slow("iyy", Inertia, "moment of inertia about body y", "", &["jy", "i_yy"]),
@@ -131,6 +131,55 @@ pub const CHANNELS: &[ChannelSpec] = &[
     slow("ixz", Inertia, "product of inertia, integral of x z dm", "", &["jxz", "i_xz"]),
     slow("cg", Number, "centre of gravity, fraction of the mean aerodynamic chord behind its leading edge", "aft", &["xcg", "x_cg", "cg_position", "center_of_gravity", "centre_of_gravity"]),
     slow("fuel", Mass, "fuel on board", "", &["fuel_mass", "fuel_quantity", "fuel_weight", "fuel_total"]),
+];
+
+/// German, French and Spanish names: the channel, and what it is called. Case, spaces, underscores and apostrophes do not
+/// matter.
+pub const FOREIGN: &[(&str, &[&str])] = &[
+    (
+        "true_airspeed",
+        &["fahrt_tas", "wahre_fluggeschwindigkeit", "vitesse_vraie", "vitesse_propre", "velocidad_verdadera"],
+    ),
+    ("calibrated_airspeed", &["fahrt_cas", "vitesse_conventionnelle", "velocidad_calibrada"]),
+    (
+        "indicated_airspeed",
+        &["fahrt_ias", "angezeigte_fluggeschwindigkeit", "vitesse_indiquée", "vitesse_indiquee", "velocidad_indicada"],
+    ),
+    ("alpha", &["anstellwinkel", "incidence", "angle_d_incidence", "ángulo_de_ataque", "angulo_de_ataque"]),
+    ("beta", &["schiebewinkel", "dérapage", "derapage", "ángulo_de_derrape", "angulo_de_derrape"]),
+    ("theta", &["nickwinkel", "assiette", "assiette_longitudinale", "ángulo_de_cabeceo", "angulo_de_cabeceo"]),
+    (
+        "phi",
+        &[
+            "hängewinkel",
+            "haengewinkel",
+            "rollwinkel",
+            "roulis",
+            "angle_de_roulis",
+            "ángulo_de_alabeo",
+            "angulo_de_alabeo",
+        ],
+    ),
+    ("p", &["rollrate", "vitesse_de_roulis", "taux_de_roulis", "velocidad_de_alabeo"]),
+    ("q", &["nickrate", "vitesse_de_tangage", "taux_de_tangage", "velocidad_de_cabeceo"]),
+    ("r", &["gierrate", "vitesse_de_lacet", "taux_de_lacet", "velocidad_de_guiñada"]),
+    (
+        "elevator",
+        &[
+            "höhenruder",
+            "hoehenruder",
+            "profondeur",
+            "gouverne_de_profondeur",
+            "timón_de_profundidad",
+            "timon_de_profundidad",
+        ],
+    ),
+    ("aileron", &["querruder", "ailerons", "alerones"]),
+    ("rudder", &["seitenruder", "gouverne_de_direction", "timón_de_dirección", "timon_de_direccion"]),
+    ("altitude", &["höhe", "hoehe", "altitud"]),
+    ("pressure_altitude", &["druckhöhe", "druckhoehe", "altitude_pression", "altitud_de_presión"]),
+    ("thrust", &["schub", "poussée", "poussee", "empuje"]),
+    ("mass", &["masse", "masa"]),
 ];
 
 /// Names that could mean several channels, and the channels that they could mean. A column of such a name becomes a
@@ -154,7 +203,10 @@ pub fn by_any_name(name: &str) -> Vec<&'static ChannelSpec> {
     let key = key(name);
     CHANNELS
         .iter()
-        .filter(|channel| key_is(channel.name, &key) || channel.synonyms.iter().any(|synonym| key_is(synonym, &key)))
+        .filter(|channel| {
+            let foreign = FOREIGN.iter().filter(|(name, _)| *name == channel.name).flat_map(|(_, names)| *names);
+            key_is(channel.name, &key) || channel.synonyms.iter().chain(foreign).any(|synonym| key_is(synonym, &key))
+        })
         .collect()
 }
 
@@ -250,6 +302,21 @@ mod tests {
                 assert_eq!(same, [channel], "{spelling} is claimed twice");
             }
             assert_eq!(by_any_name(channel.name).first(), Some(&channel), "{} must mean itself first", channel.name);
+        }
+    }
+
+    #[test]
+    fn foreign_names_mean_one_known_channel() {
+        for (name, spellings) in FOREIGN {
+            for spelling in *spellings {
+                let found: Vec<&str> = by_any_name(spelling).iter().map(|spec| spec.name).collect();
+                assert_eq!(found, [*name], "{spelling}");
+            }
+        }
+        for (header, name) in
+            [("Fahrt TAS", "true_airspeed"), ("Vitesse vraie", "true_airspeed"), ("Höhenruder", "elevator")]
+        {
+            assert_eq!(by_any_name(header).first().map(|spec| spec.name), Some(name), "{header}");
         }
     }
 

@@ -7,7 +7,7 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use phugoid_flight_data::channels::{AMBIGUOUS, CHANNELS};
+use phugoid_flight_data::channels::{AMBIGUOUS, CHANNELS, FOREIGN};
 use phugoid_flight_data::record::Quantity;
 use phugoid_flight_data::units::UNITS;
 
@@ -30,6 +30,13 @@ fn channels() -> String {
         .unwrap();
     }
     table
+}
+
+fn foreign() -> String {
+    FOREIGN.iter().fold(String::new(), |mut list, (name, spellings)| {
+        writeln!(list, "- `{name}`: {}", quoted(spellings)).unwrap();
+        list
+    })
 }
 
 fn ambiguous() -> String {
@@ -68,6 +75,7 @@ fn the_document_shows_the_tables_of_the_code() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/units-and-signs.md");
     let found = std::fs::read_to_string(&path).unwrap();
     let expected = with_table(&found, "channels", &channels());
+    let expected = with_table(&expected, "foreign", &foreign());
     let expected = with_table(&expected, "ambiguous", &ambiguous());
     let expected = with_table(&expected, "units", &units());
     if std::env::var_os("PHUGOID_WRITE_DOCS").is_some() {
