@@ -43,6 +43,7 @@ def matlab(folder):
     save("compressed.mat", {**table, "q_unit": "deg/s", **extra}, oned_as="row", do_compression=True)
     units = {"q": "deg/s"}
     save("struct.mat", {"flight": {**table, "units": units}, "version": 3.0}, oned_as="column", do_compression=True)
+    save("several.mat", {"first": table, "second": table}, oned_as="column", do_compression=True)
     values = {name: {"values": value, "unit": {"q": "deg/s"}.get(name, "")} for name, value in table.items()}
     save("values.mat", values, oned_as="column")
     matrix = np.column_stack([np.asarray(value, dtype=float) for value in table.values()])

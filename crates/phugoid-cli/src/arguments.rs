@@ -58,7 +58,7 @@ pub(crate) use init::{ClassName, Init};
 pub(crate) use inspect::Inspect;
 pub(crate) use linearize::Linearize;
 pub(crate) use monitor::Monitor;
-pub(crate) use reading::Deleting;
+pub(crate) use reading::{Deleting, Further};
 pub(crate) use regress::Regress;
 pub(crate) use reproduce::Reproduce;
 pub(crate) use simulate::Simulate;

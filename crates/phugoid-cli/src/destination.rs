@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use phugoid_flight_data::{output_file, printable};
 
-use crate::arguments::{Arguments, Command};
+use crate::arguments::{Arguments, Command, Further};
 use crate::failure::Failure;
 
 /// Everything that a command is asked to read and to write.
@@ -190,7 +190,8 @@ impl Plan {
                 });
                 plan.words(truths);
                 plan.words(&a.model);
-                plan.inputs.extend(a.flight.iter().chain(&a.with).chain(&a.predict).chain(&a.correct).cloned());
+                plan.inputs.extend(a.flight.iter().chain(&a.correct).cloned());
+                plan.inputs.extend(a.with.iter().chain(&a.predict).map(|word| Further::of(word).file));
                 plan.inputs.extend(a.deleting.deletions.clone());
                 if a.flight.is_none() {
                     return plan;
@@ -270,7 +271,8 @@ impl Plan {
             }
             Some(Command::Compatibility(a)) => {
                 plan.inputs.push(a.flight.clone());
-                plan.inputs.extend(a.with.iter().chain(&a.deleting.deletions).cloned());
+                plan.inputs.extend(a.with.iter().map(|word| Further::of(word).file));
+                plan.inputs.extend(a.deleting.deletions.clone());
                 plan.words(&a.model);
                 plan.folder(&a.out, &["compatibility.html", "corrected.csv", "corrections.json"], None);
                 plan.figures.clone_from(&a.figures);

@@ -30,7 +30,8 @@ pub(crate) struct Compatibility {
     /// The flight.
     #[arg(value_name = "FLIGHT", help = flight())]
     pub(crate) flight: PathBuf,
-    /// A further flight of the same installation: the errors of the sensors are the same in all; may be repeated
+    /// A further flight of the same installation: the errors of the sensors are the same in all; may be repeated. Of
+    /// a file with several tables FILE:VARIABLE, such as flights.mat:second
     #[arg(long, value_name = "FLIGHT")]
     pub(crate) with: Vec<PathBuf>,
     /// Model file, or the name of a built-in one; only its column names are used, and its acceleration of gravity where

@@ -35,10 +35,12 @@ pub(crate) struct Estimate {
     /// Estimator [default: the one that the model file names, or smpe]
     #[arg(long, value_parser = method())]
     pub(crate) method: Option<Method>,
-    /// Another flight of the same aircraft, fitted together with the first by a batch method; may be repeated
+    /// Another flight of the same aircraft, fitted together with the first by a batch method; may be repeated. Of a file with
+    /// several tables FILE:VARIABLE, such as flights.mat:second
     #[arg(long, value_name = "FLIGHT")]
     pub(crate) with: Vec<PathBuf>,
-    /// A flight to test the result on: its outputs are predicted with the parameters that a batch method has estimated
+    /// A flight to test the result on: its outputs are predicted with the parameters that a batch method has estimated. FILE or
+    /// FILE:VARIABLE, as with --with
     #[arg(long, value_name = "FLIGHT")]
     pub(crate) predict: Option<PathBuf>,
     /// Let a batch method take all noise for Gaussian, so that an outlier counts with the square of its residual. Without
@@ -112,8 +114,8 @@ pub(crate) struct Estimate {
     /// Print one JSON document instead of text
     #[arg(long)]
     pub(crate) json: bool,
-    /// Also write the result in another form: `csv=FILE`, `parquet=FILE` and `json=FILE` write the estimates,
-    /// `xlsx=FILE` all tables of the result as a workbook of Excel, `jsbsim=FILE` the model as a JSBSim `<aerodynamics>`
+    /// Also write the result in another form: `csv=FILE`, `json=FILE` and `parquet=FILE` (a build with `--features parquet`)
+    /// write the estimates, `xlsx=FILE` (`--features excel`) all tables of the result as a workbook, `jsbsim=FILE` the model as a JSBSim `<aerodynamics>`
     /// section, `daveml=FILE` as a model in DAVE-ML with uncertainties and check data (`phugoid check FILE` evaluates it),
     /// `gazebo=FILE` the model as parameters of the advanced lift-drag plugin that PX4's simulations use. May be repeated
     #[arg(long, value_name = "FORM=FILE", value_parser = export)]

@@ -1,6 +1,6 @@
 //! Options of all commands that read a recorded flight.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use phugoid_flight_data::deletion::Deletion;
@@ -22,6 +22,15 @@ pub(super) fn flight() -> String {
     )
 }
 
+/// The help text of the table that is read of a file with several.
+fn variable() -> String {
+    let excel = match cfg!(feature = "excel") {
+        true => ", or the sheet of a workbook of Excel",
+        false => ". Workbooks of Excel and their sheets need a build with --features excel",
+    };
+    format!("The variable to read of a MATLAB file that holds several tables (`flight2`, `data.flight2`){excel}")
+}
+
 /// How flights are read.
 #[derive(Debug, Args)]
 pub(crate) struct Reading {
@@ -36,9 +45,10 @@ pub(crate) struct Reading {
     /// Time from one row to the next, such as 0.02s, for a table without times or with bad ones: the rows are counted
     #[arg(long, value_name = "TIME")]
     pub(crate) sample_time: Option<Time>,
-    /// The variable to read of a MATLAB file that holds several tables (`flight2`, `data.flight2`), or the sheet of a
-    /// workbook
-    #[arg(long, alias = "sheet", value_name = "NAME")]
+    /// The table to read of a file with several.
+    #[arg(long, value_name = "NAME", help = variable())]
+    #[cfg_attr(feature = "excel", arg(visible_alias = "sheet"))]
+    #[cfg_attr(not(feature = "excel"), arg(alias = "sheet"))]
     pub(crate) variable: Option<String>,
 }
 
@@ -50,6 +60,27 @@ impl Reading {
         options.table.sample_time_s = self.sample_time.map(|time| time.si());
         options.table.variable.clone_from(&self.variable);
         options
+    }
+}
+
+/// A further flight: a file, and which table in it. `flights.mat:second` is the variable `second`, unless a file is called so.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Further {
+    pub(crate) file: PathBuf,
+    /// The variable of a MATLAB file or the sheet of a workbook; `None` where the command line names none behind the file.
+    pub(crate) variable: Option<String>,
+}
+
+impl Further {
+    /// Takes a word of the command line apart.
+    pub(crate) fn of(word: &Path) -> Self {
+        let whole = || Self { file: word.to_owned(), variable: None };
+        if word.exists() {
+            return whole();
+        }
+        let parts = word.to_str().and_then(|word| word.rsplit_once(':'));
+        let parts = parts.filter(|(file, variable)| !variable.is_empty() && Path::new(file).is_file());
+        parts.map_or_else(whole, |(file, variable)| Self { file: file.into(), variable: Some(variable.to_owned()) })
     }
 }
 

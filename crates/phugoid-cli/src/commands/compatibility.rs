@@ -9,7 +9,7 @@ use phugoid::compatibility;
 use phugoid_evaluation::chart::{Axis, Chart, Content, Curve, Meaning, Panel, Shape};
 use phugoid_evaluation::table::{Cell, Column, Table};
 use phugoid_flight_data::csv;
-use phugoid_flight_data::reader::read_path;
+use phugoid_flight_data::reader::{ReadOptions, read_path};
 use phugoid_flight_data::record::Record;
 use phugoid_identification::compatibility::{
     Compatibility, CompatibilityOptions, Corrections, Group, InputSkew, Reconstructed, SensorVerdict, input_skew,
@@ -18,7 +18,8 @@ use phugoid_report::{StudyPage, StudySection, chart_figure, study_html, write_na
 use serde::Serialize;
 
 use super::deleting::Deletions;
-use crate::arguments;
+use super::further;
+use crate::arguments::{self, Further};
 use crate::failure::Failure;
 use crate::output::{self, json, print, significant};
 use crate::progress::Progress;
@@ -37,19 +38,24 @@ struct Document<'a> {
 pub(crate) fn run(arguments: &arguments::Compatibility) -> Result<(), Failure> {
     let model = arguments.model.as_deref().map(super::estimate::model).transpose()?;
     let options = arguments.reading.options();
-    let paths: Vec<&Path> = std::iter::once(&arguments.flight).chain(&arguments.with).map(PathBuf::as_path).collect();
+    let with: Vec<Further> = arguments.with.iter().map(|word| Further::of(word)).collect();
+    let paths: Vec<&Path> =
+        std::iter::once(&arguments.flight).chain(with.iter().map(|w| &w.file)).map(PathBuf::as_path).collect();
     let deletions = Deletions::new(&arguments.deleting, &paths)?;
-    let read = |flight: &PathBuf| {
-        let mut record = match &model {
-            Some(model) => model.open_record_with(flight, &options).map_err(Failure::input)?,
-            None => read_path(flight, &options).map_err(Failure::input)?,
-        };
-        deletions.apply(&mut record, flight, flight == &arguments.flight)?;
-        Ok::<_, Failure>(record)
+    let open = |flight: &Path, options: &ReadOptions| match &model {
+        Some(model) => model.open_record_with(flight, options).map_err(Box::new),
+        None => read_path(flight, options).map_err(Box::new),
     };
     let (record, further) = {
         let _progress = Progress::spinner("reading");
-        (read(&arguments.flight)?, arguments.with.iter().map(read).collect::<Result<Vec<_>, _>>()?)
+        let mut record = open(&arguments.flight, &options).map_err(Failure::input)?;
+        deletions.apply(&mut record, &arguments.flight, true)?;
+        let further = with.iter().map(|other| {
+            let mut record = further::read("--with", other, &options, open)?;
+            deletions.apply(&mut record, &other.file, false)?;
+            Ok::<_, Failure>(record)
+        });
+        (record, further.collect::<Result<Vec<_>, _>>()?)
     };
     let mut groups = CompatibilityOptions::default().groups;
     groups.extend(arguments.estimate.iter().map(|name| match name {

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use phugoid::estimate_with_progress;
 use phugoid_flight_data::csv;
+use phugoid_flight_data::reader::ReadOptions;
 use phugoid_flight_data::record::Record;
 use phugoid_identification::compatibility::estimate_corrected;
 use phugoid_identification::estimate::{EstimateOptions, StructureSearch, with_offered};
@@ -22,9 +23,10 @@ use serde::Serialize;
 use super::axes_form::Turned;
 use super::deleting::Deletions;
 use super::export;
+use super::further;
 use super::result::{self, Document};
 use super::simulate::scenario;
-use crate::arguments::{self, Truth};
+use crate::arguments::{self, Further, Truth};
 use crate::failure::Failure;
 use crate::output::{Table, json, print};
 use crate::progress::Progress;
@@ -42,7 +44,11 @@ pub(crate) fn run(arguments: &arguments::Estimate) -> Result<EstimationStatus, F
         return list_models(arguments.json).map(|()| EstimationStatus::Sound);
     };
     let history = History::new(arguments)?;
-    once_each(flight, &arguments.with, arguments.predict.as_deref())?;
+    let options = arguments.reading.options();
+    let with: Vec<Further> = arguments.with.iter().map(|word| Further::of(word)).collect();
+    let predict = arguments.predict.as_deref().map(Further::of);
+    let first = Further { file: flight.clone(), variable: options.table.variable.clone() };
+    once_each(&first, &with, predict.as_ref())?;
     let (name, text) = ModelFile::find_text(wanted).map_err(Failure::input)?;
     let model = ModelFile::parse(&name, &text).map_err(Failure::input)?;
     export::check(&arguments.export, &model)?;
@@ -50,19 +56,21 @@ pub(crate) fn run(arguments: &arguments::Estimate) -> Result<EstimationStatus, F
         export::with_values(&Identified::start(&model), &text)?;
     }
     let truth = truth(&arguments.truth, &model)?;
-    let options = arguments.reading.options();
     let paths: Vec<&Path> =
-        std::iter::once(flight).chain(&arguments.with).chain(&arguments.predict).map(PathBuf::as_path).collect();
+        std::iter::once(&first).chain(&with).chain(&predict).map(|flight| flight.file.as_path()).collect();
     let deletions = Deletions::new(&arguments.deleting, &paths)?;
-    let read = |path: &PathBuf| {
-        let mut record = model.open_record_with(path, &options).map_err(Failure::input)?;
-        deletions.apply(&mut record, path, path == flight)?;
+    let open = |path: &Path, options: &ReadOptions| model.open_record_with(path, options).map_err(Box::new);
+    let beside = |option: &str, other: &Further| {
+        let mut record = further::read(option, other, &options, open)?;
+        deletions.apply(&mut record, &other.file, false)?;
         Ok::<_, Failure>(record)
     };
     let (record, further, predict) = {
         let _progress = Progress::spinner("reading");
-        let further = arguments.with.iter().map(read).collect::<Result<Vec<_>, _>>()?;
-        (read(flight)?, further, arguments.predict.as_ref().map(read).transpose()?)
+        let mut record = open(flight, &options).map_err(Failure::input)?;
+        deletions.apply(&mut record, flight, true)?;
+        let further = with.iter().map(|other| beside("--with", other)).collect::<Result<Vec<_>, _>>()?;
+        (record, further, predict.as_ref().map(|other| beside("--predict", other)).transpose()?)
     };
     // Times of convergence count from the start of the whole record.
     let start_s = record.time.first().copied();
@@ -138,15 +146,19 @@ pub(crate) fn run(arguments: &arguments::Estimate) -> Result<EstimationStatus, F
 ///
 /// # Errors
 /// [`Failure::Input`]: a flight that is fitted twice would halve the variances, and a flight that was fitted cannot test the fit.
-fn once_each(flight: &Path, with: &[PathBuf], predict: Option<&Path>) -> Result<(), Failure> {
-    let mut seen = vec![identity(flight)];
+fn once_each(first: &Further, with: &[Further], predict: Option<&Further>) -> Result<(), Failure> {
+    let identity = |flight: &Further| {
+        let variable = flight.variable.as_ref().or(first.variable.as_ref());
+        (identity(&flight.file), variable.cloned())
+    };
+    let mut seen = vec![identity(first)];
     for further in with {
         let further_identity = identity(further);
         if seen.contains(&further_identity) {
+            let file = further.file.display();
             return Err(Failure::input(format!(
-                "--with {}: this flight is fitted already; twice the same data would make the bounds too small. Name \
-                 another flight, or leave --with out",
-                further.display()
+                "--with {file}: this flight is fitted already; twice the same data would make the bounds too small. Name \
+                 another flight, of a file with several tables --with {file}:VARIABLE, or leave --with out"
             )));
         }
         seen.push(further_identity);
@@ -155,7 +167,7 @@ fn once_each(flight: &Path, with: &[PathBuf], predict: Option<&Path>) -> Result<
         Some(predict) if seen.contains(&identity(predict)) => Err(Failure::input(format!(
             "--predict {}: the parameters are fitted to this flight, so that it tests nothing. Name a flight that they \
              have not seen",
-            predict.display()
+            predict.file.display()
         ))),
         _ => Ok(()),
     }

@@ -21,6 +21,7 @@ pub(crate) mod fleet;
 mod fleet_tell;
 mod flight;
 pub(crate) mod fly;
+mod further;
 pub(crate) mod init;
 pub(crate) mod inspect;
 pub(crate) mod linearize;

@@ -66,6 +66,14 @@ fn a_flight_is_said_to_be_any_format_that_is_read() {
 }
 
 #[test]
+fn sheets_are_offered_with_what_they_need() {
+    let folder = Folder::new("sheets");
+    let help = phugoid(&folder.0, &["inspect", "--help"]).out;
+    assert_eq!(help.contains("--sheet"), cfg!(feature = "excel"), "{help}");
+    assert_eq!(help.contains("--features excel"), cfg!(not(feature = "excel")), "{help}");
+}
+
+#[test]
 fn every_shell_completes_every_command_and_option() {
     let folder = Folder::new("completions");
     let names = commands(&folder);

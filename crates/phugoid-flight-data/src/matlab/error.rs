@@ -46,6 +46,19 @@ pub enum ReadError {
         /// The variables of the file.
         found: String,
     },
+    /// The names that were given for the columns are not as many as a matrix of the file has columns.
+    #[error(
+        "{source_name}: {given} names of columns were given, and no matrix of the file has so many columns: {found}. Give a name for \
+         each column of the matrix, in its order"
+    )]
+    Names {
+        /// Name of the file or stream, as the caller gave it.
+        source_name: String,
+        /// Number of names.
+        given: usize,
+        /// The matrices of the file, with their sizes, or that there is none.
+        found: String,
+    },
     /// The numbers were read, but no record can be made of them.
     #[error(transparent)]
     Table(#[from] TableError),

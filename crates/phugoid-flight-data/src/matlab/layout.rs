@@ -8,6 +8,7 @@ use crate::printable;
 use crate::quality::QualityReport;
 use crate::table::header::{self, Meaning};
 use crate::table::{Column, LeftOut, TableOptions};
+use crate::wording::list;
 
 /// A real matrix and its path of struct fields: `["flight", "alpha"]`.
 struct Matrix {
@@ -25,13 +26,23 @@ struct Found {
     left_out: Vec<LeftOut>,
 }
 
+/// What the variables make.
+pub(super) struct Laid {
+    /// The columns of the table.
+    pub(super) columns: Vec<Column>,
+    /// What is not part of it.
+    pub(super) left_out: Vec<LeftOut>,
+    /// The names that were given and fit no matrix: the matrices that there are.
+    pub(super) unnamed: Option<String>,
+}
+
 /// The columns of the table that the variables make, and what is not part of it.
 pub(super) fn columns(
     variables: Vec<(String, Value)>,
     options: &TableOptions,
     report: &mut QualityReport,
     account: &Account,
-) -> Result<(Vec<Column>, Vec<LeftOut>), Excess> {
+) -> Result<Laid, Excess> {
     let mut found = Found::default();
     for (name, value) in variables {
         walk(vec![name], value, &mut found);
@@ -39,6 +50,7 @@ pub(super) fn columns(
     let Found { matrices, texts, mut left_out } = found;
     let length = length_of_table(&matrices, &texts, options);
     let mut columns: Vec<(Vec<String>, Column)> = Vec::new();
+    let (mut matrices_found, mut named) = (Vec::new(), options.column_names.is_empty());
     for matrix in matrices {
         let Matrix { path, unit, rows, columns: width, values } = matrix;
         let dimensions = in_words(&[rows, width]);
@@ -51,6 +63,9 @@ pub(super) fn columns(
             let (names, units) =
                 (list_for_matrix(&path, &texts, &NAMES, count), list_for_matrix(&path, &texts, &UNITS, count));
             let given = (options.column_names.len() == count).then_some(options.column_names.as_slice());
+            named |= given.is_some();
+            let name = printable::one_line(&path.join(".")).into_owned();
+            matrices_found.push(format!("{name} has {count}"));
             let names = given.or(names);
             // The matrix is there until its columns have been copied.
             account.take(many(values.len(), 8))?;
@@ -76,7 +91,9 @@ pub(super) fn columns(
             left_out.push(LeftOut { header: path.join("."), why });
         }
     }
-    Ok((make_names_unique(columns, report), left_out))
+    let none = || "there is none with several columns".to_owned();
+    let unnamed = (!named).then(|| if matrices_found.is_empty() { none() } else { list(&matrices_found) });
+    Ok(Laid { columns: make_names_unique(columns, report), left_out, unnamed })
 }
 
 /// The variable of this name, or the field of a struct (`data.flight2`); else the names that there are.
@@ -94,6 +111,16 @@ pub(super) fn variable(variables: Vec<(String, Value)>, wanted: &str) -> Result<
             (Some(_), _) => return Err(names),
         }
     }
+}
+
+/// The names of the structs with a vector in them, on one line each.
+pub(super) fn structs(variables: &[(String, Value)]) -> Vec<String> {
+    let is_vector = |(_, value): &(String, Value)| matches!(value, Value::Numbers { rows, columns, .. } if rows.saturating_mul(*columns) > 1);
+    let with_vectors = variables.iter().filter(|(_, value)| match value {
+        Value::Struct(fields) => fields.iter().any(is_vector),
+        _ => false,
+    });
+    with_vectors.map(|(name, _)| printable::one_line(name).into_owned()).collect()
 }
 
 /// Names of lists that hold the names of the columns of a matrix beside them; below, those that hold their units, and

@@ -19,6 +19,7 @@ mod layout;
 mod variable;
 
 pub use error::ReadError;
+use layout::Laid;
 
 use std::fs::File;
 use std::io::{BufReader, Read};
@@ -80,11 +81,32 @@ pub(crate) fn read_counted(
         Some(wanted) => vec![layout::variable(variables, wanted).map_err(|found| ReadError::NoVariable {
             source_name: source.to_owned(),
             wanted: printable::one_line(wanted).into_owned(),
-            found: list(&found),
+            found: if found.is_empty() { "no variable at all".to_owned() } else { list(&found) },
         })?],
         None => variables,
     };
+    let structs = layout::structs(&variables);
     let found = layout::columns(variables, options, &mut report, account);
-    let (columns, left_out) = found.map_err(|excess| TableError::from(account.over(excess, source, "")))?;
-    Ok(table::from_counted_columns(source, columns, &left_out, options, report, account)?)
+    let Laid { columns, left_out, unnamed } =
+        found.map_err(|excess| TableError::from(account.over(excess, source, "")))?;
+    if let Some(found) = unnamed {
+        let (source_name, given) = (source.to_owned(), options.column_names.len());
+        return Err(ReadError::Names { source_name, given, found });
+    }
+    let record = table::from_counted_columns(source, columns, &left_out, options, report, account);
+    Ok(record.map_err(|error| one_of_several(error, &structs))?)
+}
+
+/// Where a file has several structs and no time of all of them, the remedy is to name one.
+fn one_of_several(error: TableError, structs: &[String]) -> TableError {
+    match (error, structs) {
+        (TableError::NoTime { source_name, line, headers, .. }, [first, _, ..]) => {
+            let nearest = format!(
+                " The file has several structs: {}. Where each is a flight, read one by --variable {first}. Else:",
+                list(structs)
+            );
+            TableError::NoTime { source_name, line, headers, nearest }
+        }
+        (error, _) => error,
+    }
 }

@@ -169,3 +169,18 @@ fn advice(format: Format) -> String {
     };
     advice.to_owned()
 }
+
+impl ReadError {
+    /// Whether the file was read and lacks the variable or the sheet that was asked for ([`TableOptions::variable`]).
+    ///
+    /// [`TableOptions::variable`]: crate::table::TableOptions::variable
+    pub fn is_without_variable(&self) -> bool {
+        match self {
+            #[cfg(feature = "excel")]
+            Self::Excel(error) => matches!(error, crate::excel::ReadError::NoSheet { .. }),
+            #[cfg(feature = "matlab")]
+            Self::Matlab(error) => matches!(error, crate::matlab::ReadError::NoVariable { .. }),
+            _ => false,
+        }
+    }
+}

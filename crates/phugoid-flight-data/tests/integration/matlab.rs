@@ -42,6 +42,43 @@ fn one_of_several_variables_is_read_by_its_name() {
 }
 
 #[test]
+fn several_structs_are_told_with_the_way_to_name_one() {
+    let error = read_path(&file("several.mat"), &TableOptions::default()).unwrap_err().to_string();
+    assert!(error.contains("several structs: first, second") && error.contains("--variable first"), "{error}");
+    let second = TableOptions { variable: Some("second".to_owned()), ..TableOptions::default() };
+    assert_eq!(read_path(&file("several.mat"), &second).unwrap().len(), flight::ROWS);
+    let third = ReadOptions {
+        table: TableOptions { variable: Some("third".to_owned()), ..TableOptions::default() },
+        ..ReadOptions::default()
+    };
+    assert!(reader::read_path(&file("several.mat"), &third).unwrap_err().is_without_variable());
+    assert!(!reader::read_path(&file("no.mat"), &third).unwrap_err().is_without_variable());
+}
+
+/// Names of columns that fit no matrix are refused, and not left unsaid.
+#[test]
+fn names_for_other_columns_than_there_are_are_refused() {
+    let names = |file_name: &str, names: &[&str]| {
+        let column_names = names.iter().map(|name| (*name).to_owned()).collect();
+        read_path(&file(file_name), &TableOptions { column_names, ..TableOptions::default() })
+    };
+    let error = names("matrix.mat", &["time_s", "alpha_deg"]).unwrap_err().to_string();
+    assert!(error.contains("2 names of columns") && error.contains("data has 6"), "{error}");
+    let error = names("vectors.mat", &["time_s", "alpha_deg"]).unwrap_err().to_string();
+    assert!(error.contains("2 names of columns"), "{error}");
+    let six = ["time_s", "alpha_deg", "q_deg_s", "count", "big", "on"];
+    assert_eq!(names("matrix.mat", &six).unwrap().len(), flight::ROWS);
+    // A file without variables.
+    let mut empty = std::fs::read(file("vectors.mat")).unwrap();
+    empty.truncate(128);
+    let wanted = TableOptions { variable: Some("flight".to_owned()), ..TableOptions::default() };
+    let error = read(empty.as_slice(), "empty.mat", &wanted).unwrap_err().to_string();
+    assert!(!error.contains("Found: ."), "{error}");
+    let error = read(empty.as_slice(), "empty.mat", &TableOptions::default()).unwrap_err().to_string();
+    assert!(!error.contains("Found: ."), "{error}");
+}
+
+#[test]
 fn what_is_no_column_is_named() {
     for name in ["vectors.mat", "compressed.mat"] {
         let said = good(name).quality.to_string();
