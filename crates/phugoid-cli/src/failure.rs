@@ -5,6 +5,7 @@ use std::io::{self, Write};
 use std::path::Path;
 use std::process::ExitCode;
 
+use clap::error::{ContextKind, ContextValue};
 use phugoid_flight_data::printable;
 use phugoid_identification::batch::BatchError;
 use phugoid_identification::error::EstimateError;
@@ -17,6 +18,34 @@ pub(crate) const DIVERGED: u8 = 10;
 
 /// Exit code of an estimation whose result is refused: it is printed and written, but nobody may use its numbers.
 pub(crate) const REFUSED: u8 = 1;
+
+/// Exit code of a command line that is wrong.
+const USAGE: u8 = 2;
+
+/// Commands that not every build has, with the feature that brings them.
+const OF_FEATURES: [(&str, &str, bool); 2] =
+    [("fleet", "fleet", cfg!(feature = "fleet")), ("campaign", "fleet", cfg!(feature = "fleet"))];
+
+/// Prints why a command line cannot be understood, or the help that it asks for. A command that this build lacks is named with
+/// the way to build the program with it.
+pub(crate) fn of_command_line(error: &clap::Error) -> ExitCode {
+    let unknown =
+        [ContextKind::InvalidSubcommand, ContextKind::InvalidArg].into_iter().find_map(|kind| error.get(kind));
+    let lacking = OF_FEATURES.iter().find(|(command, _, is_there)| {
+        !is_there && matches!(unknown, Some(ContextValue::String(word)) if word == command)
+    });
+    if let Some((command, feature, _)) = lacking {
+        // Nobody is left to tell when standard error is closed.
+        let _ = writeln!(
+            io::stderr(),
+            "error: this build has no `phugoid {command}`; build it with \
+             cargo install --path crates/phugoid-cli --features {feature}"
+        );
+        return ExitCode::from(USAGE);
+    }
+    let _ = error.print();
+    ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(USAGE))
+}
 
 impl From<phugoid::Error> for Failure {
     /// A task that has no answer, or else an input that is wrong.

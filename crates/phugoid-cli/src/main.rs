@@ -16,7 +16,10 @@ use phugoid_identification::estimation::EstimationStatus;
 use crate::arguments::{Arguments, Command};
 
 fn main() -> ExitCode {
-    let arguments = Arguments::parse();
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(error) => return failure::of_command_line(&error),
+    };
     if let Err(failure) = destination::check(&arguments) {
         return failure.report();
     }

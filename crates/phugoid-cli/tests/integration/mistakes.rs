@@ -247,6 +247,39 @@ fn a_flight_that_was_fitted_is_neither_fitted_again_nor_predicted() {
     assert!(with("--predict").fails(3).contains("tests nothing"));
 }
 
+/// Another variable of one file is another flight.
+#[cfg(feature = "matlab")]
+#[test]
+fn a_further_flight_is_a_variable_of_its_own() {
+    let folder = Folder::new("variables");
+    for name in ["several.mat", "struct.mat"] {
+        let data = concat!(env!("CARGO_MANIFEST_DIR"), "/../phugoid-flight-data/tests/data/matlab");
+        std::fs::copy(std::path::Path::new(data).join(name), folder.0.join(name)).unwrap();
+    }
+    let fit = ["estimate", "several.mat", "--variable", "first", "--model", "f16-model", "--method", "output-error"];
+    let with = |word: &str| phugoid(&folder.0, &[&fit[..], &["--no-report", "--with", word]].concat());
+    assert!(with("several.mat").fails(3).contains("--with several.mat:VARIABLE"));
+    assert!(with("several.mat:third").fails(3).contains("Found: first, second. Name the one"));
+    // Read, and found to be no flight of this model: the variable, and in a file without `first` its only table.
+    for word in ["several.mat:second", "struct.mat"] {
+        let message = with(word);
+        assert!(message.fails(3).contains("is missing"), "{word}: {}", message.err);
+    }
+}
+
+/// A command that needs a feature says so.
+#[cfg(not(feature = "fleet"))]
+#[test]
+fn a_command_of_another_build_names_its_feature() {
+    let folder = Folder::new("no-fleet");
+    for arguments in [&["fleet", "study.toml"][..], &["campaign"], &["fleet", "--help"]] {
+        let run = phugoid(&folder.0, arguments);
+        assert!(run.fails(2).contains("--features fleet"), "{arguments:?}: {}", run.err);
+    }
+    let run = phugoid(&folder.0, &["fleat"]);
+    assert!(run.fails(2).contains("fleat"), "{}", run.err);
+}
+
 #[test]
 fn a_surface_that_never_moves_is_named() {
     let folder = Folder::new("still-rudder");
