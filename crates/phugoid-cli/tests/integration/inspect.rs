@@ -67,6 +67,22 @@ fn the_coherence_of_the_elevator_is_told_and_drawn() {
 }
 
 #[test]
+fn a_doubt_is_told_once() {
+    let folder = Folder::new("inspect-doubts");
+    let row = |k: i32| {
+        let t = 0.05 * f64::from(k);
+        format!("{t},{},{}\n", 4.0 + t.sin(), t.cos())
+    };
+    let rows: String = (0..300).map(row).collect();
+    folder.file("flight.csv", &format!("time_s,theta_rad,q_deg_s\n{rows}"));
+    let run = phugoid(&folder.0, &["inspect", "flight.csv"]);
+    assert_eq!(run.out.matches("degrees read as radians").count(), 1, "{}", run.out);
+    let json = phugoid(&folder.0, &["inspect", "flight.csv", "--json"]);
+    assert_eq!(json.out.matches("degrees read as radians").count(), 1, "{}", json.out);
+    assert!(json.json()["doubts"].to_string().contains("degrees read as radians"), "{}", json.out);
+}
+
+#[test]
 fn a_flight_that_tells_nothing_says_why_and_is_no_failure() {
     let folder = Folder::new("inspect-nothing");
     let rows: String =

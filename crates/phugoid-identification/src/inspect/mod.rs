@@ -16,6 +16,7 @@ pub use crate::methods::{Predicted, PredictedParameter};
 pub use coherence::{Coherence, CoherenceCurve, coherence};
 pub use model::{ModelSupport, ParameterSupport, SegmentSupport, model_support};
 
+use crate::judge::summary::without;
 use crate::manoeuvres::{CoefficientSupport, Found, Settings, Support, find};
 use crate::model_file::ModelFile;
 use crate::preparation::noise::{measure_noise, measure_own_noise};
@@ -35,7 +36,7 @@ pub struct Inspection {
     pub gaps_s: Vec<[f64; 2]>,
     /// Channels in the order of the file.
     pub channels: Vec<ChannelSurvey>,
-    /// What the reader of the file found, repaired and left out.
+    /// What the reader of the file found, repaired and left out; without what is in `doubts`.
     pub quality: QualityReport,
     /// Units and signs that are impossible or implausible, by the checks of [`plausibility`].
     pub doubts: Vec<Finding>,
@@ -130,6 +131,7 @@ pub struct ModelNeeds {
 pub fn inspect(record: &Record, models: &[ModelFile], settings: &Settings) -> Inspection {
     let found = find(record, settings);
     let ends = record.time.first().zip(record.time.last());
+    let doubts = plausibility::check(record);
     Inspection {
         source: record.source.clone(),
         samples: record.len(),
@@ -137,8 +139,8 @@ pub fn inspect(record: &Record, models: &[ModelFile], settings: &Settings) -> In
         sample_time_s: record.sample_time_s(),
         gaps_s: gaps(record),
         channels: record.channels.iter().map(|channel| survey(record, channel)).collect(),
-        quality: record.quality.clone(),
-        doubts: plausibility::check(record).into_iter().map(Finding::from).collect(),
+        quality: without(&record.quality, &doubts),
+        doubts: doubts.into_iter().map(Finding::from).collect(),
         derivatives: derivatives(&found),
         coherence: coherence(record, &found),
         found,

@@ -128,8 +128,8 @@ fn with_deletions_of_others(mut quality: QualityReport, options: &EstimateOption
     quality
 }
 
-/// The findings of the reader without those that the verdict repeats.
-fn without(quality: &QualityReport, doubts: &[Doubt]) -> QualityReport {
+/// The findings of the reader without those that the verdict, or a list of doubts, repeats.
+pub(crate) fn without(quality: &QualityReport, doubts: &[Doubt]) -> QualityReport {
     // The reader saw the whole flight, the estimation perhaps a part of it: the same finding with other numbers.
     let words = |text: &str| -> String { text.chars().filter(|c| c.is_alphabetic()).collect() };
     let is_told = |f: &Finding| doubts.iter().any(|d| d.place() == f.place && words(&d.message) == words(&f.message));
