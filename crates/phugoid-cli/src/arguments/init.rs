@@ -18,6 +18,7 @@ use super::reading::{Reading, flight};
 #[command(after_help = examples_and_exit_codes(
     "  phugoid init flight.csv --out mine.toml          asks for mass, wing and what else is not known
   phugoid init flight.csv --class drone --mass 2.1kg --wing-area 0.45m^2 --wing-span 1.8m > my.toml
+  phugoid init flight.ulg --class drone --elevator-travel -20deg   a log with the commands of the servos
   phugoid init flight.csv --class transport --mass 7472kg --iyy 91388kg*m^2 \\
                --wing-area 30.1m^2 --wing-span 14.5m --mean-chord 2.43m --out jet.toml
   phugoid estimate flight.csv --model mine.toml    what comes next"
@@ -44,7 +45,7 @@ pub(crate) struct AircraftAnswers {
     /// Name of the aircraft, for reports
     #[arg(long)]
     name: Option<String>,
-    /// What is to be estimated [default: the axes whose surfaces were moved]
+    /// What is to be estimated [default: lateral where only ailerons or rudder were moved, else longitudinal]
     #[arg(long, value_enum)]
     axes: Option<AxesName>,
     /// Mass in flight, for example 1034kg or 2280lb
@@ -80,6 +81,16 @@ pub(crate) struct AircraftAnswers {
     /// Altitude of the flight, for example 5000ft, where the record has none
     #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true)]
     pub(crate) altitude: Option<f64>,
+    /// Deflection of the elevator at full command (command 1), for example -20deg, negative where that moves the trailing edge
+    /// up: of a log that has the autopilot's commands and not the positions of the surfaces
+    #[arg(long, value_name = "ANGLE", value_parser = angle, allow_hyphen_values = true)]
+    elevator_travel: Option<f64>,
+    /// The same of the ailerons, negative where full command moves the right trailing edge up
+    #[arg(long, value_name = "ANGLE", value_parser = angle, allow_hyphen_values = true)]
+    aileron_travel: Option<f64>,
+    /// The same of the rudder, negative where full command moves the trailing edge right
+    #[arg(long, value_name = "ANGLE", value_parser = angle, allow_hyphen_values = true)]
+    rudder_travel: Option<f64>,
 }
 
 impl AircraftAnswers {
@@ -103,6 +114,9 @@ impl AircraftAnswers {
             ixz_kg_m2: self.ixz,
             thrust_n: self.thrust,
             altitude_m: self.altitude,
+            elevator_travel_rad: self.elevator_travel,
+            aileron_travel_rad: self.aileron_travel,
+            rudder_travel_rad: self.rudder_travel,
             ..Answers::of(class)
         }
     }
@@ -160,6 +174,10 @@ pub(crate) fn area(text: &str) -> Result<f64, String> {
 
 pub(crate) fn length(text: &str) -> Result<f64, String> {
     quantity(Dimension::LENGTH, text)
+}
+
+pub(crate) fn angle(text: &str) -> Result<f64, String> {
+    quantity(Dimension::ANGLE, text)
 }
 
 fn inertia(text: &str) -> Result<f64, String> {

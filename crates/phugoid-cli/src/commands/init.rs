@@ -4,8 +4,7 @@ use std::io::{self, BufRead as _, IsTerminal as _, Write as _};
 
 use clap::ValueEnum as _;
 use phugoid_flight_data::{output_file, printable, reader};
-use phugoid_identification::draft::{Answers, DraftError, Question, draft, questions};
-use phugoid_identification::model_file::ModelFile;
+use phugoid_identification::draft::{AircraftClass, Answers, DraftError, Question, check, draft, questions};
 
 use crate::arguments::{self, ClassName, init};
 use crate::failure::Failure;
@@ -15,24 +14,24 @@ pub(crate) fn run(arguments: &arguments::Init) -> Result<(), Failure> {
     let record = reader::read_path(&arguments.flight, &arguments.reading.options()).map_err(Failure::input)?;
     // Questions are answered by a person who sees them: not by the flight that comes through standard input.
     let asked = io::stdin().is_terminal() && io::stderr().is_terminal();
-    let class = match arguments.aircraft.class {
-        Some(class) => class,
-        None if asked => ask_class()?,
-        None => return Err(Failure::input(unanswered(&[CLASS]))),
-    };
-    let mut answers = arguments.aircraft.answers(class.class());
+    // Nobody answers questions about a flight of which no answer makes a model. The class has no part in that.
+    let mut answers = arguments.aircraft.answers(AircraftClass::LightSingle);
+    check(&record, &answers).map_err(refused)?;
+    match arguments.aircraft.class {
+        Some(class) => answers.class = class.class(),
+        None if asked => answers.class = ask_class()?.class(),
+        None => {
+            let open: Vec<Question> = [CLASS].into_iter().chain(questions(&record, &answers)).collect();
+            return Err(Failure::input(unanswered(&open)));
+        }
+    }
     let open = questions(&record, &answers);
     match (open.is_empty(), asked) {
         (true, _) => {}
         (false, true) => open.iter().try_for_each(|question| ask(question, &mut answers))?,
         (false, false) => return Err(Failure::input(unanswered(&open))),
     }
-    let drafted = draft(&record, &answers).map_err(|error| match error {
-        DraftError::Channels { .. } => Failure::impossible(error),
-        error => Failure::input(error),
-    })?;
-    // What is written is read again by the same rules as every model file.
-    ModelFile::parse("the model file", &drafted.text).map_err(Failure::impossible)?;
+    let drafted = draft(&record, &answers).map_err(refused)?;
     match &arguments.out {
         Some(file) => {
             output_file::write(file, &drafted.text).map_err(|error| Failure::writing(file, error))?;
@@ -40,9 +39,12 @@ pub(crate) fn run(arguments: &arguments::Init) -> Result<(), Failure> {
         None => print(&drafted.text)?,
     }
     let mut told = String::new();
-    for (title, lines) in
-        [("Assumed, because nobody said it", &drafted.assumed), ("Does not belong together", &drafted.doubts)]
-    {
+    for (title, lines) in [
+        ("Assumed, because nobody said it", &drafted.assumed),
+        ("Said and recorded", &drafted.said_twice),
+        ("Does not belong together", &drafted.doubts),
+        ("Doubtful in the record", &drafted.record_doubts),
+    ] {
         if !lines.is_empty() {
             told.push_str(title);
             told.push('\n');
@@ -56,6 +58,16 @@ pub(crate) fn run(arguments: &arguments::Init) -> Result<(), Failure> {
     // Nobody is left to tell when standard error is closed.
     let _ = io::stderr().write_all(told.as_bytes());
     Ok(())
+}
+
+/// What the flight cannot give, told apart from what is wrong with the answers and with the file.
+fn refused(error: DraftError) -> Failure {
+    match error {
+        DraftError::Channels { .. } | DraftError::NoCommand { .. } | DraftError::Unreadable(_) => {
+            Failure::impossible(error)
+        }
+        error => Failure::input(error),
+    }
 }
 
 const CLASS: Question = Question {
@@ -92,6 +104,9 @@ fn ask(question: &Question, answers: &mut Answers) -> Result<(), Failure> {
         "mass" => (init::mass, &mut answers.mass_kg, "1034 kg"),
         "wing_area" => (init::area, &mut answers.wing_area_m2, "16.2 m^2"),
         "wing_span" => (init::length, &mut answers.wing_span_m, "10.9 m"),
+        "elevator_travel" => (init::angle, &mut answers.elevator_travel_rad, "-20 deg"),
+        "aileron_travel" => (init::angle, &mut answers.aileron_travel_rad, "20 deg"),
+        "rudder_travel" => (init::angle, &mut answers.rudder_travel_rad, "25 deg"),
         _ => (init::length, &mut answers.altitude_m, "5000 ft"),
     };
     loop {

@@ -135,3 +135,53 @@ fn a_flight_that_says_nothing_is_no_bad_input() {
     assert!(run.err.contains("at least 20 are needed"), "{}", run.err);
     assert_eq!(estimate("nowhere.csv").code, Some(3));
 }
+
+const DRONE: [&str; 9] =
+    ["init", "flight.csv", "--class", "drone", "--mass", "2.1kg", "--wing-area", "0.45m^2", "--wing-span=1.8m"];
+
+/// A log of an autopilot has the command of the elevator; the degrees at full command only a person knows.
+#[test]
+fn the_travel_of_a_surface_is_asked_for_where_only_its_command_is_recorded() {
+    let folder = Folder::new("init-command");
+    let row = |k: i32| {
+        let t = 0.02 * f64::from(k);
+        let command = if (1.0..1.5).contains(&t) { 0.5 } else { 0.0 };
+        format!("{t},18,0.05,0.05,{},-9.8,100,{command}\n", 0.1 * (3.0 * t).sin())
+    };
+    let rows: String = (0..200).map(row).collect();
+    let header = "time_s,tas_m_s,alpha_rad,theta_rad,q_rad_s,az_m_s2,altitude_m,elevator_command\n";
+    folder.file("flight.csv", &format!("{header}{rows}"));
+    let run = phugoid(&folder.0, &DRONE);
+    assert!(run.fails(3).contains("--elevator-travel: degrees of the elevator at full command"), "{}", run.err);
+    let run = phugoid(&folder.0, &[&DRONE[..], &["--elevator-travel", "-20deg", "--out", "mine.toml"]].concat());
+    assert_eq!(run.code, Some(0), "{}", run.err);
+    let text = folder.read("mine.toml");
+    assert!(text.contains("elevator = { header = \"elevator_command\", scale = -20.0, unit = \"deg\" }"), "{text}");
+    // The estimation finds the elevator by it.
+    let run = phugoid(&folder.0, &["estimate", "flight.csv", "--model", "mine.toml", "--no-report"]);
+    assert!(!run.err.contains("is missing") && !run.err.contains("mapping"), "{}", run.err);
+}
+
+/// The command that comes next is recommended only where it would not be refused for its units.
+#[test]
+fn units_are_checked_before_a_model_is_begun() {
+    let folder = Folder::new("init-units");
+    let rows: String = (0..300)
+        .map(|k| {
+            let t = 0.05 * f64::from(k);
+            format!("{t},18,{},{},0.1,100\n", 4.0 + t.sin(), t.cos())
+        })
+        .collect();
+    let table = |theta: &str| format!("time_s,tas_m_s,{theta},q_deg_s,elevator_deg,altitude\n{rows}");
+    folder.file("flight.csv", &table("theta_rad"));
+    let run = phugoid(&folder.0, &DRONE);
+    assert!(run.fails(3).contains("degrees read as radians") && !run.err.contains("Next:"), "{}", run.err);
+    folder.file("flight.csv", &table("theta_deg"));
+    let run = phugoid(&folder.0, &[&DRONE[..], &["--altitude", "5000m"]].concat());
+    assert_eq!(run.code, Some(0), "{}", run.err);
+    for part in
+        ["Doubtful in the record", "column 'altitude' has no unit", "Said and recorded", "of 5000 m that was said"]
+    {
+        assert!(run.err.contains(part), "{part}: {}", run.err);
+    }
+}

@@ -5,6 +5,7 @@ use phugoid_flight_data::record::Record;
 use phugoid_flight_data::statistics::median;
 
 use super::DraftedAxes;
+use super::command::Surface;
 
 /// Density of the air, and where it comes from.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,12 +26,16 @@ pub(super) const OTHER_SPEEDS: [&str; 3] = ["equivalent_airspeed", "calibrated_a
 /// The channels of a record and their medians, SI.
 pub(super) struct Contents<'a> {
     record: &'a Record,
+    /// Surfaces whose positions were made of their commands.
+    commanded: Vec<&'static str>,
     pub(super) density: Option<Density>,
 }
 
 impl<'a> Contents<'a> {
-    pub(super) fn of(record: &'a Record) -> Self {
-        let mut contents = Self { record, density: None };
+    /// `commanded` are the surfaces whose positions were made of their commands.
+    pub(super) fn of(record: &'a Record, commanded: &[&'static Surface]) -> Self {
+        let commanded = commanded.iter().map(|surface| surface.name).collect();
+        let mut contents = Self { record, commanded, density: None };
         let (speed, pressure) = (contents.middle("true_airspeed"), contents.middle("dynamic_pressure"));
         let (statics, temperature) = (contents.middle("static_pressure"), contents.middle("temperature"));
         contents.density = if contents.has("air_density") {
@@ -68,11 +73,22 @@ impl<'a> Contents<'a> {
         self.record.sample_time_s()
     }
 
+    /// The smallest and the largest value of a channel, SI; `None` without values.
+    pub(super) fn ends(&self, name: &str) -> Option<[f64; 2]> {
+        let ends = |[low, high]: [f64; 2], v: f64| [low.min(v), high.max(v)];
+        let [low, high] = self.values(name).fold([f64::INFINITY, f64::NEG_INFINITY], ends);
+        (low <= high).then_some([low, high])
+    }
+
     /// The largest less the smallest value of a channel, SI.
     pub(super) fn range(&self, name: &str) -> Option<f64> {
-        let ends = |(low, high): (f64, f64), v: f64| (low.min(v), high.max(v));
-        let (low, high) = self.values(name).fold((f64::INFINITY, f64::NEG_INFINITY), ends);
+        let [low, high] = self.ends(name)?;
         Some(high - low).filter(|range| range.is_finite())
+    }
+
+    /// Whether a channel is one of the reader, and was not made here of a command.
+    pub(super) fn is_recorded(&self, name: &str) -> bool {
+        self.has(name) && !self.commanded.contains(&name)
     }
 
     /// The range of a channel over its median.
@@ -84,6 +100,11 @@ impl<'a> Contents<'a> {
     pub(super) fn header(&self, name: &str) -> Option<&str> {
         let quality = self.record.quality.channels.iter().find(|channel| channel.name == name)?;
         Some(quality.header.as_str()).filter(|header| !header.is_empty())
+    }
+
+    /// The header by which a mapping finds the command of a surface.
+    pub(super) fn header_of_command(&self, surface: &'a Surface) -> &str {
+        surface.header(self.record)
     }
 
     /// The airspeed in the place of a true one.

@@ -21,14 +21,17 @@
 //! ```
 
 mod class;
+mod command;
 mod contents;
 mod examined;
 mod text;
 
+use phugoid_flight_data::plausibility::Doubt;
 use phugoid_flight_data::record::Record;
 
 use crate::core::axes::Group;
 use crate::manoeuvres::{Settings, find};
+use crate::model_file::ModelFile;
 pub use class::AircraftClass;
 use contents::Contents;
 
@@ -63,6 +66,13 @@ pub struct Answers {
     pub thrust_n: Option<f64>,
     /// Altitude of the flight, m, where the record has neither density nor altitude.
     pub altitude_m: Option<f64>,
+    /// Deflection of the elevator at command 1, rad, trailing edge down positive, where the record has only `elevator_command`.
+    pub elevator_travel_rad: Option<f64>,
+    /// Deflection of the ailerons at command 1, rad, right trailing edge down positive, where the record has only
+    /// `aileron_command`.
+    pub aileron_travel_rad: Option<f64>,
+    /// Deflection of the rudder at command 1, rad, trailing edge left positive, where the record has only `rudder_command`.
+    pub rudder_travel_rad: Option<f64>,
 }
 
 impl Answers {
@@ -83,6 +93,9 @@ impl Answers {
             ixz_kg_m2: None,
             thrust_n: None,
             altitude_m: None,
+            elevator_travel_rad: None,
+            aileron_travel_rad: None,
+            rudder_travel_rad: None,
         }
     }
 }
@@ -113,7 +126,7 @@ impl DraftedAxes {
 /// Something that has to be known and that neither the record nor the answers say.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Question {
-    /// Which answer it is: `mass`, `wing_area`, `wing_span`, `altitude`.
+    /// Which answer it is: `mass`, `wing_area`, `wing_span`, `altitude`, `elevator_travel`, `aileron_travel`, `rudder_travel`.
     pub key: &'static str,
     /// The question, in words.
     pub text: &'static str,
@@ -130,6 +143,10 @@ pub struct Draft {
     pub assumed: Vec<String>,
     /// What in the answers and in the record does not belong together, a sentence each.
     pub doubts: Vec<String>,
+    /// What is doubtful about the units, signs and sensors of the channels that the model uses, a sentence each.
+    pub record_doubts: Vec<String>,
+    /// Which of two is used where an answer and the record say the same quantity, a sentence each.
+    pub said_twice: Vec<String>,
 }
 
 /// Why no model file could be begun.
@@ -160,11 +177,47 @@ pub enum DraftError {
         /// A header that would be understood.
         example: String,
     },
+    /// The angle at full command is no angle of a surface.
+    #[error(
+        "the travel of the {surface} is {degrees} deg; the degrees at command 1 are expected, up to 90 and not 0, with the sign of \
+         the deflection"
+    )]
+    Travel {
+        /// The surface.
+        surface: &'static str,
+        /// What was answered, deg.
+        degrees: f64,
+    },
+    /// What is called a command does not go from -1 to 1.
+    #[error(
+        "the flight has no {surface}, and its {command} goes from {low} to {high}: that is no command from -1 to 1, so that degrees \
+         at full command say nothing. If it is an angle, call the column {surface}_deg or {surface}_rad; if it is counted in \
+         microseconds or per cent, map it under [channels] of a model file with a scale"
+    )]
+    NoCommand {
+        /// The surface.
+        surface: &'static str,
+        /// The channel of its command.
+        command: &'static str,
+        /// The smallest command.
+        low: f64,
+        /// The largest command.
+        high: f64,
+    },
+    /// Units or signs of channels that the model uses are certainly wrong: no estimate would be made of this record.
+    #[error("{}", units.join("\n"))]
+    Units {
+        /// What is wrong, one sentence for each channel concerned.
+        units: Vec<String>,
+    },
+    /// The text that was written is no model file: a fault of this program.
+    #[error("the model file that was begun cannot be read again: {0}")]
+    Unreadable(String),
 }
 
 /// What has to be answered before a model file can be begun; empty if [`draft`] has all that it needs.
 pub fn questions(record: &Record, answers: &Answers) -> Vec<Question> {
-    let contents = Contents::of(record);
+    let contents = Contents::of(record, &[]);
     let mut questions = Vec::new();
     let mut ask = |known: bool, key, text, why| {
         if !known {
@@ -182,13 +235,53 @@ pub fn questions(record: &Record, answers: &Answers) -> Vec<Question> {
     );
     let density = contents.density.is_some() || answers.altitude_m.is_some();
     ask(density, "altitude", "altitude of the flight", "the record has no altitude, air density or dynamic pressure");
+    questions.extend(command::questions(record, answers));
     questions
+}
+
+/// Whether a model can be made of the record at all, whatever is answered: what it lacks is no question to anybody.
+///
+/// # Errors
+/// [`DraftError::Channels`], [`DraftError::NoCommand`]: no answer helps. [`DraftError::Travel`]: an answer is no angle of a surface.
+pub fn check(record: &Record, answers: &Answers) -> Result<(), DraftError> {
+    let (completed, commanded) = command::with_positions(record, answers)?;
+    let contents = Contents::of(&completed, &commanded);
+    // A surface of which the travel is asked is not missing, and neither are the axes known before it is.
+    if !command::questions(record, answers).is_empty() {
+        let others = |missing: &String| !command::SURFACES.iter().any(|surface| missing.contains(surface.name));
+        let axes = command::presumed_axes(record, answers);
+        let missing: Vec<String> = contents.lacks(axes).into_iter().filter(others).collect();
+        return lacking(missing, axes);
+    }
+    let axes = axes_of(&completed, &contents, answers).0;
+    lacking(contents.lacks(axes), axes)
+}
+
+/// An error that names what is missing, if anything is.
+fn lacking(missing: Vec<String>, axes: DraftedAxes) -> Result<(), DraftError> {
+    let Some(first) = missing.first() else { return Ok(()) };
+    let example = contents::header_of(first);
+    let axes = if axes.has_longitudinal() { "longitudinal" } else { "lateral-directional" };
+    Err(DraftError::Channels { missing, axes, example })
+}
+
+/// The axes of the model, and whether the record would do for the lateral-directional ones too.
+fn axes_of(record: &Record, contents: &Contents<'_>, answers: &Answers) -> (DraftedAxes, bool) {
+    let found = find(record, &Settings::default());
+    let moved = |group| found.manoeuvres.iter().any(|manoeuvre| manoeuvre.moves(group));
+    let lateral = moved(Group::Lateral) && contents.lacks(DraftedAxes::Lateral).is_empty();
+    let axes = answers.axes.unwrap_or(match (moved(Group::Longitudinal), lateral) {
+        (false, true) => DraftedAxes::Lateral,
+        _ => DraftedAxes::Longitudinal,
+    });
+    (axes, lateral)
 }
 
 /// Begins a model file for a flight.
 ///
 /// # Errors
-/// [`DraftError`]: something is not known, an answer is not positive, or the record lacks channels that every estimation needs.
+/// [`DraftError`]: something is not known, an answer is not positive or no angle of a surface, the record lacks channels that
+/// every estimation needs, or the unit or sign of one that it has is certainly wrong.
 pub fn draft(record: &Record, answers: &Answers) -> Result<Draft, DraftError> {
     let open = questions(record, answers);
     if !open.is_empty() {
@@ -209,21 +302,11 @@ pub fn draft(record: &Record, answers: &Answers) -> Result<Draft, DraftError> {
             return Err(DraftError::NotPositive { key, value });
         }
     }
-    let contents = Contents::of(record);
-    let found = find(record, &Settings::default());
-    let moved = |group| found.manoeuvres.iter().any(|manoeuvre| manoeuvre.moves(group));
-    let lateral = moved(Group::Lateral) && contents.lacks(DraftedAxes::Lateral).is_empty();
-    let axes = answers.axes.unwrap_or(match (moved(Group::Longitudinal), lateral) {
-        (false, true) => DraftedAxes::Lateral,
-        _ => DraftedAxes::Longitudinal,
-    });
-    let missing = contents.lacks(axes);
-    if let Some(first) = missing.first() {
-        let example = contents::header_of(first);
-        let axes = if axes.has_longitudinal() { "longitudinal" } else { "lateral-directional" };
-        return Err(DraftError::Channels { missing, axes, example });
-    }
-    let mut writer = text::Writer::new(&contents, answers, axes);
+    let (record, commanded) = command::with_positions(record, answers)?;
+    let contents = Contents::of(&record, &commanded);
+    let (axes, lateral) = axes_of(&record, &contents, answers);
+    lacking(contents.lacks(axes), axes)?;
+    let mut writer = text::Writer::new(&contents, answers, axes, &commanded);
     if answers.axes.is_none() && axes == DraftedAxes::Longitudinal && lateral {
         writer.assume(
             "ailerons or rudder were moved too: this model is of the longitudinal motion; another with --axes lateral, or both \
@@ -231,5 +314,10 @@ pub fn draft(record: &Record, answers: &Answers) -> Result<Draft, DraftError> {
         );
     }
     let (text, aircraft, assumed) = writer.finish();
-    Ok(Draft { text, assumed, doubts: examined::doubts(&contents, answers, &aircraft) })
+    let model = ModelFile::parse("the model file", &text).map_err(|error| DraftError::Unreadable(error.to_string()))?;
+    let found = examined::of_record(&record, &model)?;
+    let doubts = examined::doubts(&contents, answers, &aircraft, &found);
+    let mut record_doubts: Vec<String> = found.iter().map(Doubt::to_string).collect();
+    record_doubts.extend(examined::assumed_units(&contents, &record, &model));
+    Ok(Draft { text, assumed, doubts, record_doubts, said_twice: examined::said_twice(&contents, answers, axes) })
 }

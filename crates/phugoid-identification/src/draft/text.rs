@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 
 use phugoid_flight_dynamics::atmosphere::Atmosphere;
 
+use super::command::Surface;
 use super::contents::{Contents, Density};
 use super::{Answers, DraftedAxes};
 
@@ -44,6 +45,8 @@ pub(super) struct Writer<'a> {
     contents: &'a Contents<'a>,
     answers: &'a Answers,
     axes: DraftedAxes,
+    /// Surfaces whose commands stand for their positions.
+    commanded: &'a [&'static Surface],
     aircraft: Aircraft,
     assumed: Vec<String>,
     estimated_inertia: bool,
@@ -52,11 +55,17 @@ pub(super) struct Writer<'a> {
 }
 
 impl<'a> Writer<'a> {
-    pub(super) fn new(contents: &'a Contents<'a>, answers: &'a Answers, axes: DraftedAxes) -> Self {
+    pub(super) fn new(
+        contents: &'a Contents<'a>,
+        answers: &'a Answers,
+        axes: DraftedAxes,
+        commanded: &'a [&'static Surface],
+    ) -> Self {
         Self {
             contents,
             answers,
             axes,
+            commanded,
             aircraft: Aircraft::default(),
             assumed: Vec::new(),
             estimated_inertia: false,
@@ -393,15 +402,38 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// A true airspeed of another one, where only that was recorded.
+    /// What has to be made of other columns: a true airspeed of another one, and positions of surfaces of their commands.
     fn channels(&mut self) {
-        let Some(speed) = self.contents.other_speed() else { return };
-        let Some(header) = self.contents.header(speed) else { return };
-        let density = self.aircraft.density.unwrap_or(SEA_LEVEL);
-        let factor = rounded((SEA_LEVEL / density).sqrt());
-        let header = toml::Value::String(header.to_owned()).to_string();
+        let speed =
+            self.contents.other_speed().and_then(|speed| Some((speed, self.contents.header(speed)?.to_owned())));
+        if speed.is_none() && self.commanded.is_empty() {
+            return;
+        }
         self.line("");
         self.line("[channels]");
+        if let Some((speed, header)) = speed {
+            self.airspeed(speed, header);
+        }
+        if !self.commanded.is_empty() {
+            self.line("# These are commands of the autopilot and not positions of the surfaces: how late the servos follow, and how");
+            self.line("# far they come, is not in the record. `scale` is the angle at command 1, with the sign of the deflection.");
+        }
+        for surface in self.commanded {
+            let degrees = digits(surface.travel(self.answers).unwrap_or(f64::NAN).to_degrees());
+            let header = toml::Value::String(self.contents.header_of_command(surface).to_owned()).to_string();
+            self.put(surface.name, &format!("{{ header = {header}, scale = {degrees}, unit = \"deg\" }}"), "");
+            self.assume(format!(
+                "the {} stands at its command times {degrees} deg: the lag and the play of its servo are in no bound",
+                surface.name
+            ));
+        }
+    }
+
+    /// A true airspeed of another one, where only that was recorded.
+    fn airspeed(&mut self, speed: &str, header: String) {
+        let density = self.aircraft.density.unwrap_or(SEA_LEVEL);
+        let factor = rounded((SEA_LEVEL / density).sqrt());
+        let header = toml::Value::String(header).to_string();
         self.put(
             "true_airspeed",
             &format!("{{ header = {header}, scale = {factor} }}"),
@@ -419,7 +451,12 @@ type Term = (&'static str, &'static str, f64, f64);
 
 /// A quantity as a model file writes it, to seven digits: what a conversion of units leaves behind them means nothing.
 fn quantity(value: f64, unit: &str) -> String {
-    format!("\"{} {unit}\"", format!("{value:.6e}").parse().unwrap_or(value))
+    format!("\"{} {unit}\"", digits(value))
+}
+
+/// Seven significant digits.
+fn digits(value: f64) -> f64 {
+    format!("{value:.6e}").parse().unwrap_or(value)
 }
 
 /// Four significant digits: more than anybody knows of what is estimated here.

@@ -2,7 +2,7 @@
 
 use phugoid_flight_data::reader::{ReadOptions, read_path};
 use phugoid_flight_data::record::Record;
-use phugoid_identification::draft::{AircraftClass, Answers, DraftError, DraftedAxes, draft, questions};
+use phugoid_identification::draft::{AircraftClass, Answers, DraftError, DraftedAxes, check, draft, questions};
 use phugoid_identification::estimate::{EstimateOptions, Method, estimate};
 use phugoid_identification::estimation::Estimation;
 use phugoid_identification::model_file::ModelFile;
@@ -176,4 +176,84 @@ fn an_airspeed_that_is_not_true_becomes_one() {
     // 60 kt at the density of 3000 m, 0.9093 kg/m^3 (ISO 2533).
     let expected = 60.0 * 1852.0 / 3600.0 * (1.225_f64 / 0.9093).sqrt();
     assert!((read.channel("true_airspeed").unwrap().values[0] - expected).abs() < 0.05);
+}
+
+/// A flight of a drone whose elevator is known by its command alone.
+fn commanded(header: &str, scale: f64) -> Record {
+    let row = |k: i32| {
+        let t = 0.02 * f64::from(k);
+        let command = scale * if (1.0..1.5).contains(&t) { 0.5 } else { 0.01 };
+        format!("{t},18,0.05,0.05,{},-9.8,100,{command}\n", 0.1 * (3.0 * t).sin())
+    };
+    let rows: String = (0..200).map(row).collect();
+    record(&format!("time_s,tas_m_s,alpha_rad,theta_rad,q_rad_s,az_m_s2,altitude_m,{header}\n{rows}"))
+}
+
+fn drone() -> Answers {
+    Answers {
+        mass_kg: Some(2.1),
+        wing_area_m2: Some(0.45),
+        wing_span_m: Some(1.8),
+        ..Answers::of(AircraftClass::Drone)
+    }
+}
+
+#[test]
+fn a_command_becomes_the_surface_by_its_travel() {
+    let flight = commanded("elevator_command", 1.0);
+    let asked: Vec<&str> = questions(&flight, &drone()).iter().map(|question| question.key).collect();
+    assert_eq!(asked, ["elevator_travel"]);
+    assert!(check(&flight, &drone()).is_ok());
+    let answers = Answers { elevator_travel_rad: Some((-20.0_f64).to_radians()), ..drone() };
+    let drafted = draft(&flight, &answers).unwrap();
+    let line = "elevator = { header = \"elevator_command\", scale = -20.0, unit = \"deg\" }";
+    assert!(drafted.text.contains(line) && drafted.text.contains("not positions"), "{}", drafted.text);
+    assert!(drafted.assumed.iter().any(|line| line.contains("its command times -20 deg")), "{:?}", drafted.assumed);
+    let model = ModelFile::parse("drone.toml", &drafted.text).unwrap();
+    let mapping = model.columns().into_iter().find(|mapping| mapping.channel == "elevator").unwrap();
+    assert_eq!((mapping.header.as_str(), mapping.scale), ("elevator_command", -20.0));
+    // Degrees that are no travel, and a command that is none.
+    for degrees in [0.0, 200.0, f64::NAN] {
+        let answers = Answers { elevator_travel_rad: Some(f64::to_radians(degrees)), ..drone() };
+        assert!(matches!(draft(&flight, &answers), Err(DraftError::Travel { surface: "elevator", .. })), "{degrees}");
+    }
+    let pulses = commanded("elevator_command", 1500.0);
+    assert!(matches!(check(&pulses, &drone()), Err(DraftError::NoCommand { surface: "elevator", .. })));
+    // A position that was recorded comes before what was said.
+    let drafted = draft(&commanded("elevator_rad", 0.1), &answers).unwrap();
+    assert!(!drafted.text.contains("[channels]"), "{}", drafted.text);
+    assert!(drafted.said_twice.iter().any(|line| line.contains("travel of the elevator that was said is not used")));
+    // What the record lacks is no question to anybody.
+    let bare = record("time_s,alpha_deg\n0,1\n0.1,1\n0.2,1\n");
+    assert!(matches!(check(&bare, &drone()), Err(DraftError::Channels { .. })));
+}
+
+#[test]
+fn what_is_said_and_recorded_is_told_and_wrong_units_are_refused() {
+    let flight = commanded("elevator_rad", 0.1);
+    let answers = Answers { altitude_m: Some(5000.0), iyy_kg_m2: Some(190.0), ..drone() };
+    let drafted = draft(&flight, &answers).unwrap();
+    assert!(drafted.said_twice.iter().any(|line| line.contains("altitude of 5000 m") && line.contains("not used")));
+    let blamed = drafted.doubts.iter().find(|doubt| doubt.contains("izz")).unwrap();
+    assert!(blamed.starts_with("iyy 190 kg m^2 does not suit what is estimated"), "{blamed}");
+    // No unit: said, with what it is taken for.
+    let unitless = record(
+        "time_s,tas_m_s,theta_deg,q_deg_s,elevator_deg,altitude\n0,30,1,0,0,5000\n0.1,30,1,0,0,5000\n0.2,30,1,0,0,5000\n",
+    );
+    let drafted = draft(&unitless, &drone()).unwrap();
+    assert!(
+        drafted.record_doubts.iter().any(|line| line.contains("'altitude' has no unit")),
+        "{:?}",
+        drafted.record_doubts
+    );
+    // Degrees called radians: no estimate would be made of them, and so no model is begun.
+    let rows: String = (0..200)
+        .map(|k| {
+            let t = 0.05 * f64::from(k);
+            format!("{t},30,{},{},0.1,100\n", 4.0 + t.sin(), t.cos())
+        })
+        .collect();
+    let wrong = record(&format!("time_s,tas_m_s,theta_rad,q_deg_s,elevator_rad,altitude_m\n{rows}"));
+    let error = draft(&wrong, &drone()).unwrap_err();
+    assert!(matches!(error, DraftError::Units { .. }) && error.to_string().contains("theta"), "{error}");
 }
