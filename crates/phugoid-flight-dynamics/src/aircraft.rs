@@ -302,6 +302,13 @@ pub trait Aircraft {
     /// trim uses their limits.
     fn actuators(&self) -> &crate::actuator::Actuators;
 
+    /// The stops of elevator, aileron and rudder: the lowest and the highest deflection of each, rad. A trim beyond them is refused.
+    /// By default they are the limits of the [`actuators`](Self::actuators) to either side; an aircraft whose surface goes farther
+    /// to one side than to the other has them here, and in the actuator the larger of the two.
+    fn surface_stops(&self) -> [[f64; 2]; 3] {
+        self.actuators().each().map(|actuator| [-actuator.limit, actuator.limit])
+    }
+
     /// The range of flight that the data cover; a trim outside is refused.
     fn data_range(&self) -> DataRange {
         DataRange::UNSTATED

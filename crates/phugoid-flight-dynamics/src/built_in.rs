@@ -165,6 +165,11 @@ macro_rules! aircraft_by_variant {
             }
 
             #[inline]
+            fn surface_stops(&self) -> [[f64; 2]; 3] {
+                match self { $($variant => $aircraft.surface_stops()),+ }
+            }
+
+            #[inline]
             fn data_range(&self) -> $crate::aircraft::DataRange {
                 match self { $($variant => $aircraft.data_range()),+ }
             }

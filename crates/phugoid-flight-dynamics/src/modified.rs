@@ -135,6 +135,12 @@ pub trait Modified {
         self.unmodified().actuators()
     }
 
+    /// See [`Aircraft::surface_stops`].
+    #[inline]
+    fn surface_stops(&self) -> [[f64; 2]; 3] {
+        self.unmodified().surface_stops()
+    }
+
     /// See [`Aircraft::data_range`].
     #[inline]
     fn data_range(&self) -> DataRange {
@@ -217,6 +223,11 @@ impl<M: Modified> Aircraft for M {
     #[inline]
     fn actuators(&self) -> &Actuators {
         Modified::actuators(self)
+    }
+
+    #[inline]
+    fn surface_stops(&self) -> [[f64; 2]; 3] {
+        Modified::surface_stops(self)
     }
 
     #[inline]

@@ -49,7 +49,7 @@ pub enum TrimError {
         surface: &'static str,
         /// Deflection that steady flight would need, rad.
         needed_rad: f64,
-        /// Largest deflection to either side, rad.
+        /// Largest deflection to this side, rad; negative where the surface does not reach its middle.
         limit_rad: f64,
         /// Angle of attack of the equilibrium, rad.
         alpha_rad: f64,

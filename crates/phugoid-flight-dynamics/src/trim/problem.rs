@@ -181,14 +181,14 @@ impl<'a, A: Aircraft> Problem<'a, A> {
         if beyond < 0.0 {
             return Some((-beyond, TrimError::TooMuchThrust { needed_n, idle_n: engine, alpha_rad }));
         }
-        let actuators = self.aircraft.actuators();
-        for (surface, needed_rad, limit_rad) in [
-            ("elevator", elevator, actuators.elevator.limit),
-            ("aileron", aileron, actuators.aileron.limit),
-            ("rudder", rudder, actuators.rudder.limit),
-        ] {
-            if needed_rad.abs() > limit_rad {
-                let excess = needed_rad.abs() / limit_rad - 1.0;
+        let [of_elevator, of_aileron, of_rudder] = self.aircraft.surface_stops();
+        for (surface, needed_rad, [low, high]) in
+            [("elevator", elevator, of_elevator), ("aileron", aileron, of_aileron), ("rudder", rudder, of_rudder)]
+        {
+            let (beyond, limit_rad) =
+                if needed_rad < 0.0 { (needed_rad < low, -low) } else { (needed_rad > high, high) };
+            if beyond {
+                let excess = if limit_rad > 0.0 { needed_rad.abs() / limit_rad - 1.0 } else { f64::INFINITY };
                 return Some((excess, TrimError::SurfaceLimit { surface, needed_rad, limit_rad, alpha_rad }));
             }
         }
