@@ -100,6 +100,7 @@ impl Aerodynamics {
             hysteresis_limits: None,
             p: own,
         };
+        let mut lines: [Option<u32>; 6] = [None; 6];
         let mut force_frame = None;
         let mut moment_frame = None;
         for part in children(node) {
@@ -111,6 +112,14 @@ impl Aerodynamics {
                 }
                 "axis" => {
                     let (axis, frame) = read.read_axis(model, source, part)?;
+                    // JSBSim forgets the functions of the first.
+                    if let Some(line) = lines[axis].replace(source.line(part)) {
+                        let name = part.attribute("name").unwrap_or_default().trim();
+                        let what = format!(
+                            "the axis {name} is given twice, here and in line {line}: put their functions into one <axis>"
+                        );
+                        return Err(source.refuse(part, what));
+                    }
                     let place = if axis < 3 { &mut force_frame } else { &mut moment_frame };
                     if let (Some(before), Some(now)) = (*place, frame)
                         && before != now

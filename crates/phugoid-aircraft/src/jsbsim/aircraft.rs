@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use roxmltree::Node;
 
 use super::aerodynamics::Aerodynamics;
+use super::builtin;
 use super::channels::Channels;
 use super::error::{JsbsimError, Omission};
 use super::fed::Fed;
@@ -22,7 +23,7 @@ use crate::xml::{self, XmlError};
 pub struct Aircraft {
     name: String,
     files: Vec<PathBuf>,
-    omitted: Vec<Omission>,
+    pub(super) omitted: Vec<Omission>,
     pub(super) model: Model,
     pub(super) metrics: Metrics,
     pub(super) masses: Masses,
@@ -31,6 +32,8 @@ pub struct Aircraft {
     pub(super) engines: Vec<Engine>,
     pub(super) flight: FlightProperties,
     pub(super) fed: Fed,
+    /// Properties that are the same in every flight.
+    pub(super) constants: Vec<usize>,
 }
 
 /// The sections that make an aircraft, as they are found.
@@ -145,11 +148,28 @@ impl Aircraft {
             };
             parts.omitted.push(source.omit(node, format!("<{}>: {what}", shortened(tag(node)))));
         }
+        let complete = !files.is_missing();
         function::check_circles(&model)?;
+        let constants = builtin::begin_constants(&mut model);
         let fed = Fed::new(&mut model, engines.len());
         let name = root.attribute("name").unwrap_or_default().trim().to_owned();
         let files = files.into_found();
-        Ok(Self { name, files, omitted, model, metrics, masses, aerodynamics, channels, engines, flight, fed })
+        let mut read = Self {
+            name,
+            files,
+            omitted,
+            model,
+            metrics,
+            masses,
+            aerodynamics,
+            channels,
+            engines,
+            flight,
+            fed,
+            constants,
+        };
+        read.check_sources(complete)?;
+        Ok(read)
     }
 
     /// The name that the file gives.
@@ -197,6 +217,16 @@ impl Aircraft {
         self.model.find(name)
     }
 
+    /// The file and the line, from 1, that first name a property; none where no file does.
+    pub(crate) fn mentioned(&self, name: &str) -> Option<(PathBuf, u32)> {
+        self.model.properties[self.property(name)?].mentioned.clone()
+    }
+
+    /// Names of the properties that are written along with one: the angle of a surface in its other units.
+    pub(crate) fn written_along(&self, index: usize) -> impl Iterator<Item = &str> {
+        self.model.linked(index).map(|other| self.model.properties[other].name.as_str())
+    }
+
     /// Indices of properties that functions or channels read and that neither a channel, a function, a `<property>` of the
     /// files nor a flight condition gives a value: what has to be set from outside. They are 0 until then.
     pub fn inputs(&self) -> Vec<usize> {
@@ -230,6 +260,7 @@ impl Aircraft {
                 && property(index).function.is_none()
                 && !self.flight.contain(*index)
                 && !self.fed.contain(*index)
+                && !self.constants.contains(index)
         };
         (0..read.len()).filter(open).collect()
     }

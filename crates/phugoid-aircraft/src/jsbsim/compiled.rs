@@ -112,8 +112,7 @@ impl Aircraft {
     /// What an evaluator holds with the weight that follows from it, and the centre of gravity, inches in the structural frame.
     pub(super) fn weighed(&self, evaluator: &Evaluator<'_>) -> (State, [f64; 3]) {
         let mut state = evaluator.state.clone();
-        let (weight, centre_in) = self.masses.weight_and_centre(&self.model, &mut state);
-        self.fed.weight(&self.model, &mut state, (weight, centre_in));
+        let (_, centre_in) = self.fed.weight(&self.model, &mut state, &self.masses);
         (state, centre_in)
     }
 

@@ -92,8 +92,7 @@ impl<'a> Evaluator<'a> {
     /// Sets the properties of motion and air that follow from a flight condition.
     pub fn set_flight(&mut self, flight: &FlightCondition) {
         let aircraft = self.aircraft;
-        let (weight, centre) = aircraft.masses.weight_and_centre(&aircraft.model, &mut self.state);
-        aircraft.fed.weight(&aircraft.model, &mut self.state, (weight, centre));
+        let (_, centre) = aircraft.fed.weight(&aircraft.model, &mut self.state, &aircraft.masses);
         aircraft.flight.set(&aircraft.model, &mut self.state, flight, &aircraft.metrics, centre);
     }
 

@@ -1,13 +1,16 @@
 //! Properties that an evaluator writes as it computes: what functions and channels of the next step read.
 
+use super::mass::Masses;
 use super::model::{Model, State};
-use super::units::SLUG_WEIGHT;
+use super::units::{FOOT, SLUG, SLUG_WEIGHT};
 
 /// Indices of the properties.
 #[derive(Debug, Clone)]
 pub(super) struct Fed {
     weight: usize,
     mass: usize,
+    /// Moments and products of inertia, where the files name one of them.
+    inertia: Option<[usize; 6]>,
     centre: [usize; 3],
     aerodynamic_force: [usize; 3],
     aerodynamic_moment: [usize; 3],
@@ -24,6 +27,12 @@ pub(super) struct Fed {
 impl Fed {
     /// Makes the properties.
     pub(super) fn new(model: &mut Model, engines: usize) -> Self {
+        const INERTIA: [&str; 6] = ["ixx", "iyy", "izz", "ixy", "ixz", "iyz"];
+        let inertia = INERTIA.map(|element| format!("inertia/{element}-slugs_ft2"));
+        let inertia = inertia
+            .iter()
+            .any(|name| model.find(name).is_some())
+            .then(|| inertia.each_ref().map(|name| model.property(name)));
         let mut three =
             |start: &str, axes: [&str; 3], end: &str| axes.map(|axis| model.property(&format!("{start}{axis}{end}")));
         let centre = three("inertia/cg-", ["x", "y", "z"], "-in");
@@ -39,6 +48,7 @@ impl Fed {
             aerodynamic_moment,
             propulsive_force,
             propulsive_moment,
+            inertia,
             weight: model.property("inertia/weight-lbs"),
             mass: model.property("inertia/mass-slugs"),
             engines: (0..engines).map(|number| engine(number).map(|name| model.property(&name))).collect(),
@@ -51,24 +61,37 @@ impl Fed {
 
     /// Whether a property is among them.
     pub(super) fn contain(&self, index: usize) -> bool {
-        let three = [
-            self.centre,
-            self.aerodynamic_force,
-            self.aerodynamic_moment,
-            self.propulsive_force,
-            self.propulsive_moment,
-        ];
-        [self.weight, self.mass, self.step, self.time].contains(&index)
-            || self.others.contains(&index)
+        let three = [self.aerodynamic_force, self.aerodynamic_moment, self.propulsive_force, self.propulsive_moment];
+        self.is_steady(index)
+            || [self.step, self.time].contains(&index)
             || three.iter().any(|axes| axes.contains(&index))
             || self.engines.iter().any(|engine| engine.contains(&index))
     }
 
-    /// Weight, pounds, and its centre, inches in the structural frame.
-    pub(super) fn weight(&self, model: &Model, state: &mut State, (weight, centre): (f64, [f64; 3])) {
+    /// Whether a property is among them and has its value before a step: mass and inertia, and what the aerodynamics write for
+    /// themselves.
+    pub(super) fn is_steady(&self, index: usize) -> bool {
+        [self.weight, self.mass].contains(&index)
+            || self.centre.contains(&index)
+            || self.inertia.is_some_and(|inertia| inertia.contains(&index))
+            || self.others.contains(&index)
+    }
+
+    /// Weight, pounds, and its centre, inches in the structural frame, and the inertia where the files read it.
+    pub(super) fn weight(&self, model: &Model, state: &mut State, masses: &Masses) -> (f64, [f64; 3]) {
+        let (weight, centre) = masses.weight_and_centre(model, state);
+        if let Some(properties) = self.inertia {
+            let inertia = masses.properties(model, state).inertia_kg_m2;
+            // JSBSim calls the element of the tensor `ixz`, and the products themselves `ixy` and `iyz`.
+            let places = [(0, 0, 1.0), (1, 1, 1.0), (2, 2, 1.0), (0, 1, -1.0), (0, 2, 1.0), (1, 2, -1.0)];
+            for (property, (row, column, sign)) in properties.into_iter().zip(places) {
+                state.write(model, property, sign * inertia[row][column] / (SLUG * FOOT * FOOT));
+            }
+        }
         state.write(model, self.weight, weight);
         state.write(model, self.mass, weight / SLUG_WEIGHT);
         write_three(model, state, self.centre, centre);
+        (weight, centre)
     }
 
     /// Aerodynamic force, pounds, and moment, foot pounds, in body axes.

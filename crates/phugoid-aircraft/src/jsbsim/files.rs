@@ -24,6 +24,8 @@ pub(super) struct Files {
     bytes: usize,
     /// The files that were read, in order, under the names by which they were found: links are not followed.
     found: Vec<PathBuf>,
+    /// Whether a file that was referred to is not there.
+    missing: bool,
 }
 
 /// What kind of file is referred to: it says in which folders it is looked for.
@@ -44,12 +46,17 @@ impl Files {
         let aircraft = canonical.and_then(|folder| folder.canonicalize().ok());
         let package = aircraft.as_deref().and_then(Path::parent).and_then(Path::parent).map(Path::to_path_buf);
         let own = aircraft.as_deref().zip(file.file_name()).map(|(folder, name)| folder.join(name));
-        Self { aircraft, package, read: 0, bytes: 0, found: own.into_iter().collect() }
+        Self { aircraft, package, read: 0, bytes: 0, found: own.into_iter().collect(), missing: false }
     }
 
     /// No folder: whatever a text refers to is not found.
     pub(super) fn none() -> Self {
-        Self { aircraft: None, package: None, read: 0, bytes: 0, found: Vec::new() }
+        Self { aircraft: None, package: None, read: 0, bytes: 0, found: Vec::new(), missing: false }
+    }
+
+    /// Whether a file that was referred to is not there.
+    pub(super) fn is_missing(&self) -> bool {
+        self.missing
     }
 
     /// The files of the aircraft, its own first; each once.
@@ -113,6 +120,7 @@ impl Files {
                 return Ok((found, text));
             }
         }
+        self.missing = true;
         refuse("there is no such file in the folders of the aircraft and of its package")
     }
 }

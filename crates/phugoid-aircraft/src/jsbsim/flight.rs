@@ -76,7 +76,7 @@ pub(super) struct FlightProperties(Vec<usize>);
 
 /// Names of the properties that a flight condition sets.
 #[rustfmt::skip]
-const NAMES: [&str; 75] = [
+const NAMES: [&str; 81] = [
     "velocities/vt-fps", "velocities/mach", "velocities/machU", "velocities/vc-kts", "velocities/vc-fps",
     "velocities/ve-kts", "velocities/ve-fps", "velocities/vtrue-kts", "velocities/vtrue-fps",
     "velocities/u-fps", "velocities/v-fps", "velocities/w-fps",
@@ -96,7 +96,8 @@ const NAMES: [&str; 75] = [
     "position/h-sl-ft", "position/h-sl-meters", "position/h-agl-ft", "position/h-agl-km",
     "attitude/phi-rad", "attitude/theta-rad", "attitude/psi-rad", "attitude/roll-rad", "attitude/pitch-rad",
     "attitude/heading-true-rad", "attitude/phi-deg", "attitude/theta-deg", "attitude/psi-deg",
-    "flight-path/gamma-rad", "atmosphere/pressure-altitude",
+    "flight-path/gamma-rad", "atmosphere/pressure-altitude", "atmosphere/a-ratio", "flight-path/gamma-deg",
+    "velocities/ned-velocity-mag-fps", "propulsion/tat-r", "propulsion/tat-c", "propulsion/pt-lbs_sqft",
 ];
 
 /// What some of the properties follow from and takes some computing.
@@ -321,13 +322,28 @@ impl<'a> Known<'a> {
                 ratio(self.above_ground() - reference_down, metrics.span_ft)
             }
             59 => altitude_of_density_m(flight.density_kg_m3) / FOOT,
-            73 => {
-                let [north, east, down] = self.over_ground();
-                (-down).atan2(north.hypot(east))
-            }
+            73 => self.climb_angle(),
             74 => altitude_of_pressure_m(flight.pressure_pa) / FOOT,
+            75 => flight.sound_speed_m_s / SEA_SOUND,
+            76 => self.climb_angle().to_degrees(),
+            77 => self.speed,
+            78 => self.total_temperature_k() * 1.8,
+            79 => self.total_temperature_k() - 273.15,
+            80 => (impact_ratio(flight.mach()) + 1.0) * flight.pressure_pa / PSF,
             _ => f64::NAN,
         }
+    }
+
+    /// Angle of the path over the ground above the horizon, rad.
+    fn climb_angle(&self) -> f64 {
+        let [north, east, down] = self.over_ground();
+        (-down).atan2(north.hypot(east))
+    }
+
+    /// Temperature of air brought to rest, K.
+    fn total_temperature_k(&self) -> f64 {
+        let mach = self.flight.mach();
+        self.flight.temperature_k * (1.0 + 0.2 * mach * mach)
     }
 
     fn above_ground(&self) -> f64 {

@@ -201,13 +201,35 @@ pub(super) fn named_property(
     if !is_property_name(name) {
         return Err(source.refuse(node, format!("<{}>: \"{}\" names no property", tag(node), shortened(name))));
     }
-    Ok(signed_property(model, name))
+    let (index, sign) = signed_property(model, name);
+    model.properties[index].mentioned.get_or_insert_with(|| (source.file.clone(), source.line(node)));
+    Ok((index, sign))
 }
 
 /// Reads a `<function>` and gives its index. Its name, if it has one, becomes a property with its value.
 pub(super) fn read(model: &mut Model, source: &Source, node: Node<'_, '_>) -> Result<usize, JsbsimError> {
     let ops = operations(model, source, node)?;
-    Ok(define(model, source, node, ops, node.attribute("name")))
+    let name = node.attribute("name");
+    // A property with a value of its own may have the name: then the function writes it. That of another function may not.
+    if let Some(other) = name
+        .and_then(|name| model.find(&property_of(name)))
+        .and_then(|index| model.properties[index].function)
+        .map(|function| &model.functions[function])
+    {
+        let what = format!(
+            "another function is called \"{}\" too ({}: line {})",
+            shortened(name.unwrap_or_default().trim()),
+            other.file.display(),
+            other.line
+        );
+        return Err(source.refuse(node, what));
+    }
+    Ok(define(model, source, node, ops, name))
+}
+
+/// The name of the property that a function of a name makes.
+fn property_of(name: &str) -> String {
+    name.trim().replace(char::is_whitespace, "-")
 }
 
 /// Reads a `<function>` whose name makes no property, and gives its index.
@@ -243,7 +265,7 @@ pub(super) fn define(
     model.functions.push(Function { ops, copy: None, file: source.file.clone(), line: source.line(node) });
     let name = name.map(str::trim).filter(|name| !name.is_empty());
     if let Some(name) = name {
-        let property = model.property(&name.replace(char::is_whitespace, "-"));
+        let property = model.property(&property_of(name));
         let known = &mut model.properties[property];
         if known.declared {
             model.functions[made].copy = Some(property);

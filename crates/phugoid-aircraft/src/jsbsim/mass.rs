@@ -128,7 +128,8 @@ struct Mass {
 /// All masses of an aircraft.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Masses {
-    empty_lb: f64,
+    /// Property with the empty weight, pounds.
+    empty_weight: usize,
     empty_in: [f64; 3],
     empty_inertia: [[f64; 3]; 3],
     others: Vec<Mass>,
@@ -145,7 +146,7 @@ impl Masses {
         node: Node<'_, '_>,
     ) -> Result<(), JsbsimError> {
         self.empty_inertia = inertia(source, node)?;
-        self.empty_lb = source.child_quantity(node, "emptywt", Unit::Pound)?.unwrap_or(0.0);
+        let empty_lb = source.child_quantity(node, "emptywt", Unit::Pound)?.unwrap_or(0.0);
         for part in children(node) {
             match tag(part) {
                 "location" if part.attribute("name").is_some_and(|name| name.trim() == "CG") => {
@@ -155,7 +156,9 @@ impl Masses {
                 _ => {}
             }
         }
-        give(model, "inertia/empty-weight-lbs", self.empty_lb);
+        let name = "inertia/empty-weight-lbs";
+        give(model, name, empty_lb);
+        self.empty_weight = model.property(name);
         Ok(())
     }
 
@@ -229,10 +232,16 @@ impl Masses {
         Ok(())
     }
 
+    /// The properties that mass, centre and inertia follow.
+    pub(super) fn properties_read(&self) -> impl Iterator<Item = usize> {
+        let others = self.others.iter().flat_map(|mass| mass.moving.into_iter().flatten().chain([mass.weight]));
+        others.chain([self.empty_weight])
+    }
+
     /// Weight in pounds, centre in inches in the structural frame.
     pub(super) fn weight_and_centre(&self, model: &Model, state: &mut State) -> (f64, [f64; 3]) {
-        let mut weight = self.empty_lb;
-        let mut moment = self.empty_in.map(|inch| inch * self.empty_lb);
+        let mut weight = state.read(model, self.empty_weight);
+        let mut moment = self.empty_in.map(|inch| inch * weight);
         for mass in &self.others {
             let pounds = state.read(model, mass.weight);
             let place = mass.place(model, state);
@@ -248,7 +257,7 @@ impl Masses {
     pub(super) fn properties(&self, model: &Model, state: &mut State) -> MassProperties {
         let (weight, centre) = self.weight_and_centre(model, state);
         let mut inertia = self.empty_inertia;
-        add_at(&mut inertia, self.empty_lb, self.empty_in, centre);
+        add_at(&mut inertia, state.read(model, self.empty_weight), self.empty_in, centre);
         for mass in &self.others {
             let pounds = state.read(model, mass.weight);
             let place = mass.place(model, state);

@@ -47,6 +47,7 @@
 
 mod aerodynamics;
 mod aircraft;
+mod builtin;
 mod channels;
 mod compiled;
 mod error;
@@ -80,6 +81,7 @@ pub(crate) use files::text_of;
 pub(crate) use flight::altitude_of_density_m;
 pub(crate) use propulsion::{GivenPropeller, GivenTables};
 pub(crate) use scaling::{Follower, Scaling};
+pub(crate) use surfaces::Awaited;
 
 use model::Model;
 use roxmltree::Node;

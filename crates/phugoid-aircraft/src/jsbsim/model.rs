@@ -1,6 +1,7 @@
 //! Properties, tables and functions of one aircraft, compiled to indices, and their values at one moment.
 
 use std::collections::HashMap;
+use std::path::PathBuf;
 
 use super::function::{Op, apply};
 use super::table::Table;
@@ -27,6 +28,24 @@ pub(super) struct Property {
     pub(super) function: Option<usize>,
     /// What is written along with it.
     pub(super) links: Vec<(usize, Link)>,
+    /// The file and the line, from 1, that first name it; none for one that no file names.
+    pub(super) mentioned: Option<(PathBuf, u32)>,
+    /// Whether a part of the files makes it that is left out here.
+    pub(super) left_out: bool,
+}
+
+impl Property {
+    fn new(name: String) -> Self {
+        Self {
+            name,
+            initial: 0.0,
+            declared: false,
+            function: None,
+            links: Vec::new(),
+            mentioned: None,
+            left_out: false,
+        }
+    }
 }
 
 /// How the value of a property follows from that of another.
@@ -52,7 +71,7 @@ pub(super) struct Function {
     /// The property that its value is copied to whenever it is computed, where that was there before it.
     pub(super) copy: Option<usize>,
     /// Where it stands, for messages.
-    pub(super) file: std::path::PathBuf,
+    pub(super) file: PathBuf,
     /// Line, from 1.
     pub(super) line: u32,
 }
@@ -81,13 +100,7 @@ impl Model {
         }
         let made = self.properties.len();
         self.index.insert(name.clone(), made);
-        self.properties.push(Property {
-            name: name.clone(),
-            initial: 0.0,
-            declared: false,
-            function: None,
-            links: Vec::new(),
-        });
+        self.properties.push(Property::new(name.clone()));
         self.link(&name, made);
         made
     }
@@ -129,13 +142,7 @@ impl Model {
         }
         let new = self.properties.len();
         self.index.insert(name.to_owned(), new);
-        self.properties.push(Property {
-            name: name.to_owned(),
-            initial: 0.0,
-            declared: false,
-            function: None,
-            links: Vec::new(),
-        });
+        self.properties.push(Property::new(name.to_owned()));
         new
     }
 

@@ -3,6 +3,7 @@
 mod component;
 mod read;
 mod run;
+mod steady;
 
 pub(super) use component::{Component, Memory};
 
@@ -29,6 +30,14 @@ pub(super) struct Channels {
     after: Vec<usize>,
     /// Properties of commands, and of the positions that follow them unless a channel says otherwise.
     followed: Vec<(usize, usize)>,
+}
+
+/// What the components that write a property go through, by index.
+#[derive(Debug, Default)]
+pub(super) struct Feeding {
+    pub(super) properties: Vec<usize>,
+    pub(super) functions: Vec<usize>,
+    pub(super) tables: Vec<usize>,
 }
 
 /// What the components remember from one step to the next.
@@ -76,6 +85,23 @@ impl Channels {
         let components = self.channels.iter().flat_map(|channel| &channel.components);
         let executing = self.channels.iter().filter_map(|channel| channel.execute);
         components.flat_map(Component::reads).chain(executing)
+    }
+
+    /// What the components that write a property read themselves, with whether their channel runs, and the functions and tables
+    /// that they go through.
+    pub(super) fn feeding(&self, property: usize) -> Feeding {
+        let mut feeding = Feeding::default();
+        for channel in &self.channels {
+            for component in channel.components.iter().filter(|component| component.outputs.contains(&property)) {
+                feeding.properties.extend(component.reads().into_iter().chain(channel.execute));
+                match component.kind {
+                    Kind::Function(function) => feeding.functions.push(function),
+                    Kind::Scheduled { table, .. } => feeding.tables.push(table),
+                    _ => {}
+                }
+            }
+        }
+        feeding
     }
 
     /// How the values of a property follow from those of another through a scale or a drive; looked for through lags and

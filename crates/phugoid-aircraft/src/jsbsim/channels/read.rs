@@ -72,6 +72,15 @@ impl Reader<'_> {
             shortened(name)
         );
         self.omitted.push(self.source.omit(node, what));
+        // A name that cannot be one makes no property in JSBSim either.
+        let outputs = match tag(node) {
+            "function" if function::is_property_name(name) => vec![self.model.property(name)],
+            "function" => Vec::new(),
+            _ => self.outputs(node).unwrap_or_default(),
+        };
+        for output in outputs {
+            self.model.properties[output].left_out = true;
+        }
     }
 
     fn channel(&mut self, node: Node<'_, '_>) -> Result<Channel, JsbsimError> {
@@ -144,6 +153,15 @@ impl Reader<'_> {
             }
         };
         // What is written is made last, as JSBSim does: a name counts as there from here on.
+        let outputs = self.outputs(node)?;
+        for &output in &outputs {
+            self.model.properties[output].declared = true;
+        }
+        Ok(Component { inputs, outputs, clip, delay, kind })
+    }
+
+    /// The properties that a component writes: those of its `<output>` and that of its name.
+    fn outputs(&mut self, node: Node<'_, '_>) -> Result<Vec<usize>, JsbsimError> {
         let mut outputs = Vec::new();
         for output in children(node).filter(|part| tag(*part) == "output") {
             outputs.push(named_property(self.model, self.source, output, &text(output))?.0);
@@ -157,10 +175,7 @@ impl Reader<'_> {
             };
             outputs.push(named_property(self.model, self.source, node, &own)?.0);
         }
-        for &output in &outputs {
-            self.model.properties[output].declared = true;
-        }
-        Ok(Component { inputs, outputs, clip, delay, kind })
+        Ok(outputs)
     }
 
     fn kind(&mut self, node: Node<'_, '_>) -> Result<Kind, JsbsimError> {

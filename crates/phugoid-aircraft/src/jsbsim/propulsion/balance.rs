@@ -32,8 +32,13 @@ pub(super) struct Engine<'a> {
 }
 
 impl<'a> Engine<'a> {
-    pub(super) fn new(power: &'a Power, throttle: f64, air: &Air) -> Self {
-        Self { running: power.running(throttle, air), most_rpm: power.most_rpm(), loss: power.constant_loss(throttle) }
+    /// `factor` as in [`Power::running`].
+    pub(super) fn new(power: &'a Power, throttle: f64, factor: f64, air: &Air) -> Self {
+        Self {
+            running: power.running(throttle, factor, air),
+            most_rpm: power.most_rpm(),
+            loss: power.constant_loss(throttle),
+        }
     }
 
     /// One that gives the same power, foot pounds per second and not negative, at every speed up to `most_rpm`.

@@ -4,6 +4,7 @@ mod balance;
 mod given;
 mod piston;
 mod propeller;
+mod turboprop;
 
 use roxmltree::Node;
 
@@ -24,8 +25,10 @@ use super::table::Table;
 use super::units::{POUND_FORCE, PSF, Unit};
 use crate::xml;
 
+/// A smaller `p_factor` is none.
+const LEAST_P_FACTOR: f64 = 1e-4;
 /// Most values that an engine reads.
-pub(super) const INPUTS: usize = 16;
+pub(super) const INPUTS: usize = 17;
 
 /// Where a value that an engine reads comes from.
 #[derive(Debug, Clone, Copy)]
@@ -69,6 +72,8 @@ struct Propelled {
     p_factor: f64,
     throttle: usize,
     lever: usize,
+    /// The mixture lever of a piston engine; the function of a turboprop's power over pressure and speed.
+    factor: Option<Source>,
     inflow: [usize; 14],
 }
 
@@ -79,7 +84,9 @@ pub enum EngineKind {
     /// A turbine: its thrust follows from throttle, Mach number and height, without delay.
     Turbine,
     /// A propeller: it turns as fast as the power of its engine turns it at the throttle, without delay. That of a piston engine
-    /// follows from the pressure behind the throttle with a rich mixture; another one's is in proportion to the throttle.
+    /// follows from the pressure behind the throttle and from the mixture lever (`fcs/mixture-pos-norm[k]`, which begins at 1), that of a
+    /// turboprop from its tables at the speed of the gas generator that the throttle sets; an electric one's is in proportion to the
+    /// throttle.
     Propeller,
     /// Another engine: its thrust is what is set.
     ConstantForce,
@@ -123,6 +130,11 @@ impl Engine {
         }
     }
 
+    /// Whether its thrust acts beside its axis where the air comes from the side (`p_factor`).
+    pub(crate) fn has_p_factor(&self) -> bool {
+        matches!(&self.drive, Drive::Propeller(propelled) if propelled.p_factor > LEAST_P_FACTOR)
+    }
+
     /// What it reads, at most [`INPUTS`].
     pub(super) fn sources(&self) -> impl Iterator<Item = Source> {
         let mut sources = [None; INPUTS];
@@ -137,8 +149,9 @@ impl Engine {
             }
             Drive::Propeller(propelled) => {
                 let properties = propelled.inflow.into_iter().chain([propelled.throttle, propelled.lever]);
-                for (source, property) in sources.iter_mut().zip(properties) {
-                    *source = Some(Source::Property(property));
+                let read = properties.map(Source::Property).chain(propelled.factor);
+                for (source, read) in sources.iter_mut().zip(read) {
+                    *source = Some(read);
                 }
             }
         }
@@ -171,7 +184,8 @@ impl Engine {
         centre_in: [f64; 3],
         guess: &mut Guess,
     ) -> Push {
-        let &[u, v, w, p, q, r, density, sound, pi, qi, ri, pressure, temperature, qbar, throttle, lever] = inputs;
+        let &[u, v, w, p, q, r, density, sound, pi, qi, ri, pressure, temperature, qbar, throttle, lever, factor] =
+            inputs;
         let arm = arm_ft(self.location_in, centre_in);
         let turning = cross([p, q, r], arm);
         let local = [u + turning[0], v + turning[1], w + turning[2]];
@@ -182,13 +196,13 @@ impl Engine {
             Some(rpm) => propelled.propeller.at(&inflow, rpm.max(0.0), propelled.propeller.fine_pitch_deg()),
             None => {
                 let air = Air { pressure_pa: pressure * PSF, temperature_k: temperature / 1.8, ram_pa: qbar * PSF };
-                let engine = Turning::new(&propelled.power, throttle, &air);
+                let engine = Turning::new(&propelled.power, throttle, factor, &air);
                 propelled.propeller.balance(&inflow, &engine, lever, guess)
             }
         };
         let mut place = self.location_in;
         let across = local[1].hypot(local[2]);
-        if propelled.p_factor > 1e-4 && across > 1e-4 {
+        if propelled.p_factor > LEAST_P_FACTOR && across > 1e-4 {
             // The blade that goes down meets more air: thrust acts beside the axis.
             let factor = propelled.sense * propelled.p_factor * across.atan2(along_ft_s) / across;
             place[1] += factor * local[2];
@@ -301,6 +315,14 @@ fn read_engine(
     let inside = File::new(path.clone(), &text);
     let document = xml::parse(&text).map_err(|source| JsbsimError::Xml { file: path, source })?;
     let root = document.root_element();
+    // JSBSim makes a property of each named function of an engine, whatever becomes of the engine here.
+    for part in root.descendants().filter(|part| tag(*part) == "function") {
+        let name = part.attribute("name").unwrap_or_default().replace('#', &number.to_string());
+        if function::is_property_name(&name) {
+            let made = model.property(&name);
+            model.properties[made].left_out = true;
+        }
+    }
     let read = drive(model, files, source, node, &inside, root, number);
     let note = match read {
         Ok(Drive::Turbine(turbine)) => {
@@ -309,10 +331,18 @@ fn read_engine(
             format!("engine {number}: its thrust follows the throttle without delay{injected}")
         }
         Ok(drive) => {
+            let runs = match &drive {
+                Drive::Propeller(propelled) => match propelled.power {
+                    Power::Piston(_) => {
+                        " at the mixture of its lever (fcs/mixture-pos-norm, 1 unless it is set: full rich)"
+                    }
+                    Power::Turboprop(_) => " at the speed of the gas generator that the throttle sets",
+                    Power::Constant(_) => "",
+                },
+                Drive::None | Drive::Turbine(_) => "",
+            };
             (engine.kind, engine.drive) = (EngineKind::Propeller, drive);
-            format!(
-                "engine {number}: it runs steadily with a rich mixture; the propeller turns at once as fast as it is turned"
-            )
+            format!("engine {number}: it runs steadily{runs}; the propeller turns at once as fast as it is turned")
         }
         Err(error) => format!("engine {number}: its thrust is what is set, a constant force: {error}"),
     };
@@ -343,8 +373,26 @@ fn drive(
         }
         return turbine(model, inside, root, number).map(Drive::Turbine);
     }
-    let power = Power::read(inside, root)?;
+    let mut power = Power::read(inside, root)?;
     let propeller = Propeller::read(&thruster_source, made)?;
+    let factor = match &mut power {
+        Power::Piston(_) => {
+            // JSBSim starts its engines, and trims with them, at full rich.
+            for end in ["cmd", "pos"] {
+                let lever = model.property(&format!("fcs/mixture-{end}-norm[{number}]"));
+                model.begin(lever, 1.0);
+            }
+            Some(Source::Property(model.property(&format!("fcs/mixture-pos-norm[{number}]"))))
+        }
+        Power::Turboprop(turboprop) => {
+            turboprop.set_gear(propeller.gear);
+            let name = "EnginePowerVC";
+            let made = factor(model, inside, root, name)?;
+            let made = made.ok_or_else(|| inside.refuse(root, format!("the turboprop has no function {name}")))?;
+            Some(Source::Function(made))
+        }
+        Power::Constant(_) => None,
+    };
     let sense = source.child_number(thruster, "sense")?.unwrap_or(1.0);
     let throttle = model.property(&format!("fcs/throttle-pos-norm[{number}]"));
     let lever = model.property(&format!("fcs/advance-pos-norm[{number}]"));
@@ -372,6 +420,7 @@ fn drive(
         p_factor: source.child_number(thruster, "p_factor")?.unwrap_or(0.0),
         throttle,
         lever,
+        factor,
         inflow,
     })))
 }
@@ -380,20 +429,10 @@ fn turbine(model: &mut Model, source: &File, root: Node<'_, '_>, number: usize) 
     let value = |name: &str| source.child_number(root, name).map(|found| found.unwrap_or(0.0));
     let pounds = |name: &str| source.child_quantity(root, name, Unit::Pound).map(|found| found.unwrap_or(0.0));
     let (dry_lb, wet_lb) = (pounds("milthrust")?, pounds("maxthrust")?);
-    let mut factor = |name: &str| -> Result<Option<usize>, JsbsimError> {
-        for part in children(root).filter(|part| part.attribute("name").is_some_and(|found| found.trim() == name)) {
-            match tag(part) {
-                "function" => return function::read_without_name(model, source, part).map(Some),
-                "table" => return internal(model, source, part).map(Some),
-                _ => {}
-            }
-        }
-        Ok(None)
-    };
     let missing = |name: &str| source.refuse(root, format!("the turbine has no function {name}"));
-    let idle = factor("IdleThrust")?.ok_or_else(|| missing("IdleThrust"))?;
-    let dry = factor("MilThrust")?.ok_or_else(|| missing("MilThrust"))?;
-    let wet = factor("AugThrust")?;
+    let idle = factor(model, source, root, "IdleThrust")?.ok_or_else(|| missing("IdleThrust"))?;
+    let dry = factor(model, source, root, "MilThrust")?.ok_or_else(|| missing("MilThrust"))?;
+    let wet = factor(model, source, root, "AugThrust")?;
     let augmentation = if value("augmented")? == 1.0 { value("augmethod")? } else { 0.0 };
     let throttle = format!("fcs/throttle-pos-norm[{number}]");
     give(model, &throttle, 0.0);
@@ -408,6 +447,18 @@ fn turbine(model: &mut Model, source: &File, root: Node<'_, '_>, number: usize) 
         bleed: value("bleed")?,
         injected: value("injected")? == 1.0,
     })
+}
+
+/// The function of an engine with a name, from its `<function>` or its `<table>`; none where there is neither.
+fn factor(model: &mut Model, source: &File, root: Node<'_, '_>, name: &str) -> Result<Option<usize>, JsbsimError> {
+    for part in children(root).filter(|part| part.attribute("name").is_some_and(|found| found.trim() == name)) {
+        match tag(part) {
+            "function" => return function::read_without_name(model, source, part).map(Some),
+            "table" => return internal(model, source, part).map(Some),
+            _ => {}
+        }
+    }
+    Ok(None)
 }
 
 /// A table over Mach number and density altitude.

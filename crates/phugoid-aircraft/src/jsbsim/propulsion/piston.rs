@@ -1,4 +1,4 @@
-//! Power of a piston engine that runs steadily at full rich of the sea, from the pressure that its throttle leaves it.
+//! Power of a piston engine that runs steadily, from the pressure that its throttle leaves it and from its mixture.
 
 use roxmltree::Node;
 
@@ -17,8 +17,43 @@ const SEA_PRESSURE: f64 = 101_320.73;
 const GAS: f64 = 287.3;
 /// Ratio of specific heats of the charge.
 const GAMMA: f64 = 1.3;
-/// Fuel for each mass of air: 1.3 times what the air can burn.
+/// Fuel for each mass of air at the sea with the mixture lever at 1: 1.3 times what the air can burn. In thinner air the same lever
+/// gives as much fuel for less air.
 const FUEL_AIR: f64 = 1.3 / 14.7;
+/// Pressure that the mixture refers to, Pa.
+const MIXTURE_PRESSURE: f64 = 101_325.0;
+/// Share of the fuel's power that comes out at a ratio of fuel to air, as JSBSim 1.3.3 has it: measured with its c182 at mixture levers
+/// from 0.57 to 1.43, from power, flow of fuel and ratio of air to fuel.
+const BURNT: [[f64; 2]; 15] = [
+    [0.05, 0.0],
+    [0.05137, 0.00862],
+    [0.05179, 0.21552],
+    [0.0543, 0.48276],
+    [0.05842, 0.7069],
+    [0.06312, 0.83621],
+    [0.06942, 0.93103],
+    [0.07786, 1.0],
+    [0.08845, 1.0],
+    [0.0927, 0.98276],
+    [0.1012, 0.93103],
+    [0.11455, 0.72414],
+    [0.12158, 0.4569],
+    [0.12435, 0.23276],
+    [0.125, 0.00862],
+];
+
+/// [`BURNT`] between its points, constant beyond them.
+fn burnt(fuel_air: f64) -> f64 {
+    let [first, .., last] = BURNT;
+    if fuel_air <= first[0] {
+        return first[1];
+    }
+    let inside = BURNT.windows(2).find(|pair| fuel_air <= pair[1][0]);
+    inside.map_or(last[1], |pair| {
+        let share = (fuel_air - pair[0][0]) / (pair[1][0] - pair[0][0]);
+        pair[0][1] + share * (pair[1][1] - pair[0][1])
+    })
+}
 
 /// The air that an engine breathes.
 #[derive(Debug, Clone, Copy)]
@@ -150,12 +185,13 @@ impl Piston {
         falls.then_some(self.friction_hp * HORSEPOWER)
     }
 
-    /// It at a throttle from 0 to 1 in some air.
-    pub(super) fn running(&self, throttle: f64, air: &Air) -> RunningPiston<'_> {
+    /// It at a throttle from 0 to 1 and a mixture lever from 0 to 1 in some air.
+    pub(super) fn running(&self, throttle: f64, mixture: f64, air: &Air) -> RunningPiston<'_> {
         let closed = 1.0 - throttle.clamp(0.0, 1.0);
         let swept_m3 = self.displacement_m3 / 60.0 / 2.0;
         let air_kg_s = swept_m3 * self.efficiency / (GAS * air.temperature_k.max(1.0));
-        let fuel_lb_h = air_kg_s * FUEL_AIR * 3600.0 / 0.453_592_37;
+        let fuel_air = FUEL_AIR * mixture * (MIXTURE_PRESSURE / air.pressure_pa.max(1.0));
+        let fuel_lb_h = air_kg_s * fuel_air * burnt(fuel_air) * 3600.0 / 0.453_592_37;
         RunningPiston {
             piston: self,
             pressure_pa: air.pressure_pa,

@@ -7,6 +7,7 @@ use super::super::source::{Source, children, parse, shortened, tag};
 use super::super::table::{Column, Table};
 use super::super::units::Unit;
 use super::piston::{Air, Piston, RunningPiston};
+use super::turboprop::{RunningTurboprop, Turboprop};
 
 /// Foot pounds per second in a horsepower.
 const HORSEPOWER: f64 = 550.0;
@@ -18,13 +19,10 @@ const WATTS: f64 = 745.7;
 pub(super) enum Power {
     /// A piston engine.
     Piston(Box<Piston>),
-    /// In proportion to the throttle: foot pounds per second at full throttle at the sea, and whether it breathes air.
-    Constant {
-        /// Foot pounds per second.
-        full: f64,
-        /// Whether thinner air takes some of it.
-        breathes: bool,
-    },
+    /// In proportion to the throttle: foot pounds per second at full throttle.
+    Constant(f64),
+    /// A turboprop.
+    Turboprop(Box<Turboprop>),
 }
 
 impl Power {
@@ -42,21 +40,21 @@ impl Power {
         };
         match tag(root) {
             "piston_engine" => Ok(Self::Piston(Box::new(Piston::read(source, root)?))),
-            "electric_engine" => Ok(Self::Constant { full: power("power", 1.0 / WATTS)?, breathes: false }),
-            "turboprop_engine" => Ok(Self::Constant { full: power("maxpower", 1.0)?, breathes: true }),
+            "electric_engine" => Ok(Self::Constant(power("power", 1.0 / WATTS)?)),
+            "turboprop_engine" => {
+                Ok(Self::Turboprop(Box::new(Turboprop::read(source, root, power("maxpower", 1.0)?)?)))
+            }
             other => Err(source.refuse(root, format!("<{}> is not supported", shortened(other)))),
         }
     }
 
-    /// It at a throttle from 0 to 1 in some air.
-    pub(super) fn running(&self, throttle: f64, air: &Air) -> Running<'_> {
+    /// It at a throttle from 0 to 1 in some air. `factor` is the mixture lever of a piston engine, and of a turboprop what its power
+    /// is multiplied by for pressure and speed.
+    pub(super) fn running(&self, throttle: f64, factor: f64, air: &Air) -> Running<'_> {
         match self {
-            Self::Piston(piston) => Running::Piston(piston.running(throttle, air)),
-            Self::Constant { full, breathes } => {
-                let density_ratio = air.pressure_pa / 101_325.0 * 288.15 / air.temperature_k.max(1.0);
-                let left = if *breathes { density_ratio.clamp(0.0, 1.2) } else { 1.0 };
-                Running::Constant(full * throttle.clamp(0.0, 1.0) * left)
-            }
+            Self::Piston(piston) => Running::Piston(piston.running(throttle, factor, air)),
+            Self::Constant(full) => Running::Constant(full * throttle.clamp(0.0, 1.0)),
+            Self::Turboprop(turboprop) => Running::Turboprop(turboprop.running(throttle, factor)),
         }
     }
 
@@ -64,7 +62,8 @@ impl Power {
     pub(super) fn most_rpm(&self) -> f64 {
         match self {
             Self::Piston(piston) => piston.most_rpm(),
-            Self::Constant { .. } => 10_000.0,
+            Self::Constant(_) => 10_000.0,
+            Self::Turboprop(turboprop) => turboprop.most_rpm(),
         }
     }
 
@@ -73,7 +72,9 @@ impl Power {
     pub(super) fn constant_loss(&self, throttle: f64) -> Option<f64> {
         match self {
             Self::Piston(piston) => piston.constant_loss(throttle),
-            Self::Constant { full, .. } => (*full >= 0.0).then_some(0.0),
+            Self::Constant(full) => (*full >= 0.0).then_some(0.0),
+            // Its table may rise faster than the speed.
+            Self::Turboprop(_) => None,
         }
     }
 }
@@ -85,6 +86,8 @@ pub(super) enum Running<'a> {
     Piston(RunningPiston<'a>),
     /// The same at every speed, foot pounds per second.
     Constant(f64),
+    /// A turboprop.
+    Turboprop(RunningTurboprop<'a>),
 }
 
 impl Running<'_> {
@@ -94,6 +97,7 @@ impl Running<'_> {
         match self {
             Self::Piston(piston) => piston.power(rpm),
             Self::Constant(power) => *power,
+            Self::Turboprop(turboprop) => turboprop.power(rpm),
         }
     }
 }
