@@ -186,7 +186,7 @@ fn open_tp1538(path: &Path, options: &FlownOptions) -> Result<AircraftFile, Flow
     let mut cg = F16Options::default().cg;
     for (name, value) in &options.properties {
         if name != "cg" {
-            return Err(FlownError::Property { name: name.clone() });
+            return Err(FlownError::Property { name: name.clone(), settable: "cg".to_owned() });
         }
         if !(0.0..=1.0).contains(value) {
             let what = "the centre of gravity (`cg`), a fraction of the mean chord,";

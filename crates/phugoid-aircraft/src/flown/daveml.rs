@@ -66,6 +66,7 @@ pub struct FlownDaveml {
     gravity: f64,
     thrust_scale: f64,
     actuators: Actuators,
+    surface_stops: [[f64; 2]; 3],
     data_range: DataRange,
     reads_alpha_rate: bool,
     name: String,
@@ -106,14 +107,18 @@ impl FlownDaveml {
         let thrust_outputs = ThrustOutputs::find(wiring.models(), file)?;
         let basics = basics::Basics::find(&wiring, &own, file)?;
         let geometry = basics.geometry();
-        let mass = MassProperties::from_tensor(basics.mass_kg, basics.tensor(), 0.0).ok_or(FlownError::Mass)?;
+        let mass = MassProperties::from_tensor(basics.mass_kg, basics.tensor(), 0.0).ok_or_else(|| {
+            let [[xx, ..], [_, yy, _], [.., zz]] = basics.tensor();
+            let file = file.to_path_buf();
+            FlownError::Mass { file, mass_kg: basics.mass_kg, inertia_kg_m2: [xx, yy, zz] }
+        })?;
         let thrust = match (options.thrust, thrust_outputs) {
             (Thrust::Engines, Some(found)) => Drive::Models(Box::new(found)),
             (Thrust::AlongBodyX { largest_n }, _) => Drive::Force(largest_n),
             (Thrust::Engines, None) => Drive::Force(0.5 * mass.mass() * options.gravity),
         };
         notes::note_thrust(&thrust, options.thrust, &mut notes);
-        let (actuators, data_range) = notes::surfaces(&wiring, &mut notes);
+        let (actuators, surface_stops, data_range) = notes::surfaces(&wiring, &mut notes);
         let mut aircraft = Self {
             outputs: outputs.moved_by(basics.arm_m),
             thrust,
@@ -122,6 +127,7 @@ impl FlownDaveml {
             gravity: options.gravity,
             thrust_scale: options.thrust_scale,
             actuators,
+            surface_stops,
             data_range,
             reads_alpha_rate: false,
             name,
@@ -270,6 +276,10 @@ impl Flown for FlownDaveml {
 
     fn actuators(&self) -> &Actuators {
         &self.actuators
+    }
+
+    fn surface_stops(&self) -> [[f64; 2]; 3] {
+        self.surface_stops
     }
 
     fn data_range(&self) -> DataRange {

@@ -128,18 +128,39 @@ pub enum FlownError {
         root: String,
     },
     /// The aerodynamics move with something that cannot be made of the angle of a surface.
-    #[error("the aerodynamics read {property}, which cannot be made of the angle of the {surface}")]
+    #[error(
+        "{}: line {line}: the aerodynamics read {property}, which cannot be made of the angle of the {surface}: no \
+         <aerosurface_scale> or <kinematic> of flight control says how far the {surface} goes. Add one that writes \
+         fcs/{surface}-pos-rad, with the ends of the {surface} in its <range>, or let the aerodynamics read the angle",
+        file.display()
+    )]
     Surface {
+        /// The file.
+        file: PathBuf,
+        /// Line where the property is first named, from 1.
+        line: u32,
         /// `elevator`, `aileron` or `rudder`.
         surface: &'static str,
         /// The property.
         property: String,
     },
     /// A property that was to be set is not in the files.
-    #[error("no file mentions the property {name}")]
+    #[error("no file mentions the property {name}; what can be set is {settable}")]
     Property {
         /// Its name.
         name: String,
+        /// Names of properties that can be set.
+        settable: String,
+    },
+    /// A property that was to be set changes nothing, or not for long.
+    #[error("setting {name} changes nothing: {why}; what can be set is {settable}")]
+    WithoutEffect {
+        /// Its name.
+        name: String,
+        /// Why it changes nothing.
+        why: &'static str,
+        /// Names of properties that can be set.
+        settable: String,
     },
     /// A number is out of its range.
     #[error("{what} is {value}; it has to be {expected}")]
@@ -152,6 +173,29 @@ pub enum FlownError {
         expected: &'static str,
     },
     /// Mass or inertia are not positive.
-    #[error("mass or inertia are not positive")]
-    Mass,
+    #[error(
+        "{}: the mass is {mass_kg} kg and the moments of inertia are {}, {} and {} kg m2; the mass has \
+         to be positive, and so has the tensor of inertia",
+        file.display(), inertia_kg_m2[0], inertia_kg_m2[1], inertia_kg_m2[2]
+    )]
+    Mass {
+        /// The file.
+        file: PathBuf,
+        /// Mass, kg.
+        mass_kg: f64,
+        /// Moments of inertia about the centre of gravity, kg m2.
+        inertia_kg_m2: [f64; 3],
+    },
+    /// A size of the wing is not positive.
+    #[error("{}: <metrics>: the {what} is {value}; <{element}> has to give a positive one", file.display())]
+    Size {
+        /// The file.
+        file: PathBuf,
+        /// What it is, with its unit.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+        /// The element that gives it.
+        element: &'static str,
+    },
 }

@@ -5,7 +5,7 @@ mod drive;
 mod notes;
 mod start;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use phugoid_flight_dynamics::actuator::Actuators;
 use phugoid_flight_dynamics::aircraft::{
@@ -45,7 +45,8 @@ const RATIO_OF_HEATS: f64 = 1.4;
 ///
 /// The aerodynamics see the attitude of straight flight in the plane of symmetry (pitch angle equal to the angle of attack),
 /// no rate of sideslip, no engines, and the height that the density has in the standard atmosphere. Mass and inertia stay those
-/// of the beginning. Flight control does not run: the surfaces are where they are put. What is not finite in gives what is not
+/// of the beginning. Flight control does not run: the surfaces are where they are put, and of its components only those without a
+/// memory that follow the flight alone have their values. What is not finite in gives what is not
 /// finite out.
 ///
 /// The engines follow the throttle with a lag of 1 s, and push as in axial flow; power is the throttle in percent. It is
@@ -60,6 +61,7 @@ pub struct FlownJsbsim {
     drive: Drive,
     thrust_scale: f64,
     actuators: Actuators,
+    surface_stops: [[f64; 2]; 3],
     data_range: DataRange,
     /// Whether the aerodynamics read the rate of the angle of attack.
     reads_alpha_rate: bool,
@@ -78,7 +80,7 @@ impl FlownJsbsim {
     /// As [`open`](Self::open), with options.
     ///
     /// # Errors
-    /// As [`open`](Self::open), and for an option that makes no sense.
+    /// As [`open`](Self::open), and for an option that makes no sense or a property that would change nothing.
     pub fn open_with(path: impl AsRef<Path>, options: &FlownOptions) -> Result<Self, FlownError> {
         Self::new(Aircraft::open(path)?, options)
     }
@@ -87,23 +89,33 @@ impl FlownJsbsim {
     ///
     /// # Errors
     /// As [`open_with`](Self::open_with), but for the files.
-    pub fn new(aircraft: Aircraft, options: &FlownOptions) -> Result<Self, FlownError> {
+    pub fn new(mut aircraft: Aircraft, options: &FlownOptions) -> Result<Self, FlownError> {
         check(options)?;
         let mut notes: Vec<String> = aircraft.omitted().iter().map(ToString::to_string).collect();
+        let computed = aircraft.compute_steady_channels()?;
+        if !computed.is_empty() {
+            notes.push(format!(
+                "What components of channels without a memory make of the flight is computed at every instant: {}.",
+                computed.join(", ")
+            ));
+        }
         let surfaces = surfaces(&aircraft, &mut notes)?;
-        let mut evaluator = started(&aircraft, options)?;
+        let mut evaluator = started(&aircraft, &surfaces, options)?;
         let masses = evaluator.mass_properties();
-        let mass = MassProperties::from_tensor(masses.mass_kg, masses.inertia_kg_m2, 0.0).ok_or(FlownError::Mass)?;
+        let mass = MassProperties::from_tensor(masses.mass_kg, masses.inertia_kg_m2, 0.0).ok_or_else(|| {
+            let [[xx, ..], [_, yy, _], [.., zz]] = masses.inertia_kg_m2;
+            FlownError::Mass { file: file_of(&aircraft), mass_kg: masses.mass_kg, inertia_kg_m2: [xx, yy, zz] }
+        })?;
         let geometry = geometry(&aircraft, masses.centre_of_gravity_m[0])?;
         notes.push("The reference point of the aerodynamics is taken to be at a quarter of the chord.".into());
         notes.push(format!(
             "Flight control does not run: surfaces follow their commands with a lag of {LAG_S} s and no limit of rate."
         ));
         let drive = Drive::new(&aircraft, &evaluator, options.thrust, mass.mass() * options.gravity, &mut notes);
-        let reads_alpha_rate =
-            notes::note_inputs(&aircraft, &surfaces, &mut evaluator, &options.properties, &mut notes);
+        let reads_alpha_rate = notes::note_inputs(&aircraft, &surfaces, &mut evaluator, options.thrust, &mut notes);
         let alpha = aircraft.alpha_of_tables().unwrap_or(DataRange::UNSTATED.alpha);
         let [elevator, aileron, rudder] = [0, 1, 2].map(|i: usize| surfaces[i].actuator);
+        let surface_stops = [0, 1, 2].map(|i: usize| surfaces[i].stops);
         let aerodynamics = Aerodynamics::new(&aircraft, &evaluator, &surfaces);
         Ok(Self {
             aerodynamics,
@@ -113,6 +125,7 @@ impl FlownJsbsim {
             drive,
             thrust_scale: options.thrust_scale,
             actuators: Actuators { elevator, aileron, rudder },
+            surface_stops,
             data_range: DataRange { alpha, ..DataRange::UNSTATED },
             reads_alpha_rate,
             notes,
@@ -136,15 +149,20 @@ impl FlownJsbsim {
     }
 }
 
+/// The file of an aircraft, for messages.
+fn file_of(aircraft: &Aircraft) -> PathBuf {
+    aircraft.files().first().cloned().unwrap_or_else(|| PathBuf::from("text"))
+}
+
 fn geometry(aircraft: &Aircraft, centre_m: f64) -> Result<Geometry, FlownError> {
     let sizes = aircraft.geometry();
-    for (what, value) in [
-        ("the area of the wing, m2,", sizes.wing_area_m2),
-        ("the span of the wing, m,", sizes.wing_span_m),
-        ("the chord of the wing, m,", sizes.chord_m),
+    for (what, value, element) in [
+        ("area of the wing, m2,", sizes.wing_area_m2, "wingarea"),
+        ("span of the wing, m,", sizes.wing_span_m, "wingspan"),
+        ("chord of the wing, m,", sizes.chord_m, "chord"),
     ] {
         if !(value > 0.0 && value.is_finite()) {
-            return Err(FlownError::Number { what, value, expected: "positive" });
+            return Err(FlownError::Size { file: file_of(aircraft), what, value, element });
         }
     }
     let aft = centre_m - sizes.reference_point_m[0];
@@ -242,6 +260,10 @@ impl Flown for FlownJsbsim {
 
     fn actuators(&self) -> &Actuators {
         &self.actuators
+    }
+
+    fn surface_stops(&self) -> [[f64; 2]; 3] {
+        self.surface_stops
     }
 
     fn data_range(&self) -> DataRange {

@@ -30,7 +30,7 @@ pub struct FlownOptions {
     /// What the thrust and its moments are multiplied by; not negative, 1 by default.
     pub thrust_scale: f64,
     /// Properties by name with their values in the units of JSBSim, set once: contents of tanks, flaps, gear. By default the
-    /// gear is up (`gear/gear-pos-norm` is 0). Of an aircraft in DAVE-ML: variables by name or identifier, in the unit of the
+    /// gear is up (`gear/gear-pos-norm` is 0). One that would change nothing is refused. Of an aircraft in DAVE-ML: variables by name or identifier, in the unit of the
     /// file; sizes, mass and inertia that no file has by their standard names, in SI ([`FlownDaveml`](super::FlownDaveml)).
     pub properties: Vec<(String, f64)>,
     /// Further files of an aircraft in DAVE-ML, in any order: models of mass and inertia or of the engine; none by default.

@@ -16,6 +16,8 @@ const DEGREE: f64 = std::f64::consts::PI / 180.0;
 pub(super) struct Surface {
     targets: Vec<Follower>,
     pub(super) actuator: Actuator,
+    /// The lowest and the highest deflection in the sign of the equations of motion, rad.
+    pub(super) stops: [f64; 2],
 }
 
 /// Names of the properties of a surface without their unit, each with its sign against the first.
@@ -70,7 +72,7 @@ fn surface(
             let by_ends = ends.map(|domain| Scaling { input: (index, 1.0), domain, range: [-1.0, 1.0], centred: true });
             let finite = |scaling: &Scaling| scaling.value(0.1).is_finite() && scaling.value(-0.1).is_finite();
             let Some(scaling) = own.or(by_ends).filter(finite) else {
-                return Err(FlownError::Surface { surface: name, property: share });
+                return Err(unmoved(aircraft, name, share));
             };
             targets.push(follower(index, side * scaling.input.1, Some(scaling)));
         }
@@ -80,14 +82,15 @@ fn surface(
     }
     if targets.is_empty() {
         if let Some(other) = read.iter().find(|property| property.starts_with("fcs/") && property.contains(name)) {
-            return Err(FlownError::Surface { surface: name, property: (*other).to_owned() });
+            return Err(unmoved(aircraft, name, (*other).to_owned()));
         }
         notes.push(format!("The aerodynamics know no {name}: it moves nothing."));
     }
     let limit = limits.map_or(UNKNOWN_LIMIT, |[low, high]| low.abs().max(high.abs()));
     match limits {
         Some([low, high]) if (low + high).abs() > 1e-6 * limit => notes.push(format!(
-            "In JSBSim the {name} goes from {:.1} to {:.1} deg; the larger of the two is its limit to either side.",
+            "In JSBSim the {name} goes from {:.1} to {:.1} deg: a trim keeps to each side, and a simulation to the larger of \
+             the two on both.",
             low.to_degrees(),
             high.to_degrees()
         )),
@@ -98,7 +101,16 @@ fn surface(
         }
     }
     let actuator = Actuator::new(limit, f64::INFINITY, LAG_S);
-    Ok(Surface { targets, actuator })
+    let [low, high] = limits.unwrap_or([-limit, limit]);
+    // The aileron of the equations of motion is the other way round.
+    let stops = if sign < 0.0 { [-high, -low] } else { [low, high] };
+    Ok(Surface { targets, actuator, stops })
+}
+
+/// The refusal of a property that a surface should move.
+fn unmoved(aircraft: &Aircraft, surface: &'static str, property: String) -> FlownError {
+    let (file, line) = aircraft.mentioned(&property).unwrap_or_default();
+    FlownError::Surface { file, line, surface, property }
 }
 
 impl Surface {

@@ -47,7 +47,11 @@ pub(super) fn given_in_si(models: &[Model], properties: &[(String, f64)]) -> Res
             continue;
         }
         if !is_basic(name) {
-            return Err(FlownError::Property { name: name.clone() });
+            let basic = NEEDED.iter().map(|(name, ..)| *name).chain(OTHERWISE_ZERO.iter().map(|(name, _)| *name));
+            let basic = basic.collect::<Vec<_>>().join(", ");
+            let settable =
+                format!("an input of the models by its name or identifier, and in SI, where no model has it, {basic}");
+            return Err(FlownError::Property { name: name.clone(), settable });
         }
         own.push((name.clone(), *value));
     }

@@ -37,8 +37,8 @@ pub(super) fn note_thrust(drive: &Drive, asked: Thrust, notes: &mut Vec<String>)
     });
 }
 
-/// Limits of the surfaces, and the range of the tables.
-pub(super) fn surfaces(wiring: &Wiring, notes: &mut Vec<String>) -> (Actuators, DataRange) {
+/// Limits of the surfaces with the stops to either side (lowest and highest deflection, rad), and the range of the tables.
+pub(super) fn surfaces(wiring: &Wiring, notes: &mut Vec<String>) -> (Actuators, [[f64; 2]; 3], DataRange) {
     notes.push(format!("Surfaces follow their commands with a lag of {LAG_S} s and no limit of rate."));
     let ends = |feed: Feed| {
         let entries = wiring.entries(feed).filter_map(|entry| {
@@ -52,17 +52,32 @@ pub(super) fn surfaces(wiring: &Wiring, notes: &mut Vec<String>) -> (Actuators, 
             let variable = entry.variable();
             variable.minimum.zip(variable.maximum).map(|(low, high)| [entry.si(low), entry.si(high)])
         });
-        let limit = stated.or_else(|| ends(feed)).map(|[low, high]| low.abs().max(high.abs()));
-        let limit = limit.filter(|limit| limit.is_finite() && *limit > 0.0).unwrap_or_else(|| {
+        let known = stated.or_else(|| ends(feed)).map(|[a, b]| [a.min(b), a.max(b)]);
+        let known = known.filter(|[low, high]| low < high && low.is_finite() && high.is_finite());
+        let stops = known.unwrap_or_else(|| {
             if wiring.reads(feed) {
                 let degrees = UNKNOWN_LIMIT.to_degrees();
                 notes.push(format!("The files do not say how far the {name} goes: {degrees:.0} deg are taken."));
             }
-            UNKNOWN_LIMIT
+            [-UNKNOWN_LIMIT, UNKNOWN_LIMIT]
         });
-        Actuator::new(limit, f64::INFINITY, LAG_S)
+        let [low, high] = stops;
+        let limit = low.abs().max(high.abs());
+        // Tables of one side alone stand for both.
+        let stops = if low < 0.0 && high > 0.0 { stops } else { [-limit, limit] };
+        let [low, high] = stops;
+        if (low + high).abs() > 1e-6 * limit {
+            notes.push(format!(
+                "In the file the {name} goes from {:.1} to {:.1} deg: a trim keeps to each side, and a simulation to the larger \
+                 of the two on both.",
+                low.to_degrees(),
+                high.to_degrees()
+            ));
+        }
+        (Actuator::new(limit, f64::INFINITY, LAG_S), stops)
     });
-    let [elevator, aileron, rudder] = actuators;
+    let stops = actuators.map(|(_, stops)| stops);
+    let [elevator, aileron, rudder] = actuators.map(|(actuator, _)| actuator);
     let standard = DataRange::UNSTATED;
     let range = DataRange {
         alpha: ends(Feed::Alpha).unwrap_or(standard.alpha),
@@ -72,7 +87,7 @@ pub(super) fn surfaces(wiring: &Wiring, notes: &mut Vec<String>) -> (Actuators, 
         rudder: ends(Feed::Rudder).unwrap_or(standard.rudder),
         ..standard
     };
-    (Actuators { elevator, aileron, rudder }, range)
+    (Actuators { elevator, aileron, rudder }, stops, range)
 }
 
 /// Whether the coefficients follow the rate of the angle of attack, and sentences about what they and the thrust follow.

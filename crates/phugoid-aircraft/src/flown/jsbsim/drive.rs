@@ -29,6 +29,21 @@ pub(super) struct Engines {
     pool: Pool<PropulsiveWorkspace>,
 }
 
+/// The throttles of the engines with the most of each, where thrust is that of the engines of the files and all of them have a model.
+pub(super) fn engines_flown(aircraft: &Aircraft, thrust: Thrust) -> Option<(Vec<usize>, Vec<f64>)> {
+    let engines = aircraft.engines();
+    let (throttles, most): (Vec<_>, Vec<_>) = engines
+        .iter()
+        .enumerate()
+        .filter(|(_, engine)| matches!(engine.kind, EngineKind::Turbine | EngineKind::Propeller))
+        .filter_map(|(number, engine)| {
+            let throttle = aircraft.property(&format!("fcs/throttle-pos-norm[{number}]"))?;
+            Some((throttle, Engine::dry_throttle(engine)))
+        })
+        .unzip();
+    (thrust == Thrust::Engines && !engines.is_empty() && throttles.len() == engines.len()).then_some((throttles, most))
+}
+
 impl Drive {
     /// The thrust that is asked for, at what an evaluator of the aircraft holds of everything but the throttles.
     pub(super) fn new(
@@ -44,17 +59,14 @@ impl Drive {
             ));
             return Self::Force(largest_n);
         }
-        let engines = aircraft.engines();
-        let (throttles, most): (Vec<_>, Vec<_>) = engines
-            .iter()
-            .enumerate()
-            .filter(|(_, engine)| matches!(engine.kind, EngineKind::Turbine | EngineKind::Propeller))
-            .filter_map(|(number, engine)| {
-                let throttle = aircraft.property(&format!("fcs/throttle-pos-norm[{number}]"))?;
-                Some((throttle, Engine::dry_throttle(engine)))
-            })
-            .unzip();
-        if !engines.is_empty() && throttles.len() == engines.len() {
+        if let Some((throttles, most)) = engines_flown(aircraft, thrust) {
+            for (number, engine) in aircraft.engines().iter().enumerate().filter(|(_, engine)| engine.has_p_factor()) {
+                notes.push(format!(
+                    "engine {number} ({}): p_factor is left out: the engines push as in axial flow, without the yawing and pitching \
+                     moment of a propeller that the air meets at an angle.",
+                    engine.file
+                ));
+            }
             notes.push(format!("The engines follow the throttle with a lag of {ENGINE_LAG_S} s, without afterburner."));
             let compiled = aircraft.compile_propulsion(evaluator, &throttles);
             return Self::Engines(Box::new(Engines { compiled, most, pool: Pool::default() }));

@@ -1,14 +1,16 @@
-//! What the aerodynamics of an aircraft of JSBSim read and nothing changes.
+//! What the aerodynamics and engines of an aircraft of JSBSim read and nothing changes.
 
+use super::drive::engines_flown;
+use crate::flown::options::Thrust;
 use crate::flown::surface::Surface;
-use crate::jsbsim::{Aircraft, Evaluator};
+use crate::jsbsim::{Aircraft, Awaited, Evaluator};
 
-/// Notes what the aerodynamics read and nothing changes; whether they read the rate of the angle of attack.
+/// Notes what the aerodynamics and the engines read and nothing changes; whether they read the rate of the angle of attack.
 pub(super) fn note_inputs(
     aircraft: &Aircraft,
     surfaces: &[Surface; 3],
     evaluator: &mut Evaluator<'_>,
-    given: &[(String, f64)],
+    thrust: Thrust,
     notes: &mut Vec<String>,
 ) -> bool {
     let read = aircraft.aerodynamics_read();
@@ -18,18 +20,33 @@ pub(super) fn note_inputs(
     if read.iter().any(|name| name.starts_with("propulsion/engine")) {
         notes.push("What the engines add to the aerodynamics is left out.".into());
     }
-    for name in read.iter().filter(|name| name.starts_with("fcs/") || name.starts_with("gear/")) {
-        let Some(index) = aircraft.property(name) else { continue };
-        let moved = surfaces.iter().any(|surface| surface.sets(index));
-        let angle = ["elevator-pos-", "aileron-pos-", "rudder-pos-"].iter().any(|word| name.contains(word));
-        if !moved && !angle {
-            notes.push(format!("{name} stays at {}.", evaluator.get(name).unwrap_or(f64::NAN)));
+    let mut all = read.clone();
+    let throttles = match engines_flown(aircraft, thrust) {
+        None => Vec::new(),
+        Some((throttles, _)) => {
+            all.extend(aircraft.engines_read().into_iter().filter(|name| !read.contains(name)));
+            throttles
         }
-    }
-    // Tanks and masses are read elsewhere; what flight control would make of its properties is made by nobody here.
-    let of_control = |name: &str| name.starts_with("fcs/") || name.starts_with("gear/");
-    for (name, _) in given.iter().filter(|(name, _)| of_control(name) && !read.contains(&name.as_str())) {
-        notes.push(format!("{name} is set, and the aerodynamics do not read it: it changes none of their forces."));
+    };
+    for name in all {
+        let Some(index) = aircraft.property(name) else { continue };
+        let moved = surfaces.iter().any(|surface| surface.sets(index)) || throttles.contains(&index);
+        let angle = ["elevator-pos-", "aileron-pos-", "rudder-pos-"].iter().any(|word| name.contains(word));
+        // The rates of the angles have notes of their own.
+        if moved || angle || name.starts_with("aero/betadot-") {
+            continue;
+        }
+        let value = evaluator.get(name).unwrap_or(f64::NAN);
+        let of_control = name.starts_with("fcs/") || name.starts_with("gear/");
+        notes.push(match aircraft.awaited(index) {
+            _ if of_control && !aircraft.is_computed(index) => format!("{name} stays at {value}."),
+            None => continue,
+            Some(Awaited::Channel) => {
+                format!("{name}, which a channel would write, stays at {value}: no channel runs.")
+            }
+            Some(Awaited::LeftOut) => format!("{name}, which a part that is left out would write, stays at {value}."),
+            Some(Awaited::Jsbsim) => format!("{name}, which JSBSim computes in flight, stays at {value}."),
+        });
     }
     read.iter().any(|name| name.starts_with("aero/alphadot-"))
 }

@@ -1,13 +1,28 @@
 //! An aircraft of JSBSim as it begins.
 
+use super::drive::engines_flown;
 use crate::flown::error::FlownError;
 use crate::flown::options::FlownOptions;
+use crate::flown::surface::Surface;
 use crate::jsbsim::{Aircraft, Evaluator};
 
+/// Most names in a message.
+const MOST_NAMED: usize = 24;
+/// Metres in a foot.
+const FOOT: f64 = 0.3048;
+
 /// An evaluator with the properties of the options.
-pub(super) fn started<'a>(aircraft: &'a Aircraft, options: &FlownOptions) -> Result<Evaluator<'a>, FlownError> {
+///
+/// # Errors
+/// [`FlownError`]: a property that is not there, that has another source, or that nothing reads.
+pub(super) fn started<'a>(
+    aircraft: &'a Aircraft,
+    surfaces: &[Surface; 3],
+    options: &FlownOptions,
+) -> Result<Evaluator<'a>, FlownError> {
     let mut evaluator = Evaluator::new(aircraft);
     evaluator.set("gear/gear-pos-norm", 0.0);
+    evaluator.set("accelerations/gravity-ft_sec2", options.gravity / FOOT);
     for engine in 0..aircraft.engines().len() {
         // Propellers of constant speed at their fastest.
         evaluator.set(&format!("fcs/advance-pos-norm[{engine}]"), 1.0);
@@ -16,9 +31,68 @@ pub(super) fn started<'a>(aircraft: &'a Aircraft, options: &FlownOptions) -> Res
         if !value.is_finite() {
             return Err(FlownError::Number { what: "a property", value: *value, expected: "a finite number" });
         }
-        if !evaluator.set(name, *value) {
-            return Err(FlownError::Property { name: name.clone() });
+        let settable = || named(settable(aircraft, surfaces, options));
+        let Some(index) = aircraft.property(name) else {
+            return Err(FlownError::Property { name: name.clone(), settable: settable() });
+        };
+        if let Some(why) = source_of(aircraft, surfaces, options, index) {
+            return Err(FlownError::WithoutEffect { name: name.clone(), why, settable: settable() });
         }
+        evaluator.set_index(index, *value);
     }
     Ok(evaluator)
+}
+
+/// Why a property cannot be set, if that is so.
+fn source_of(
+    aircraft: &Aircraft,
+    surfaces: &[Surface; 3],
+    options: &FlownOptions,
+    index: usize,
+) -> Option<&'static str> {
+    let engines = engines_flown(aircraft, options.thrust);
+    if aircraft.is_computed(index) {
+        return Some("its value is computed");
+    }
+    if surfaces.iter().any(|surface| surface.sets(index)) || linked_to_surface(aircraft, surfaces, index) {
+        return Some("it follows the angle of a surface");
+    }
+    if engines.as_ref().is_some_and(|(throttles, _)| throttles.contains(&index)) {
+        return Some("it follows the throttle");
+    }
+    let name = aircraft.properties().nth(index).unwrap_or_default();
+    let mut read = aircraft.aerodynamics_read();
+    read.extend(aircraft.masses_read());
+    if engines.is_some() {
+        read.extend(aircraft.engines_read());
+    }
+    (!read.contains(&name) && !aircraft.written_along(index).any(|other| read.contains(&other)))
+        .then_some("neither aerodynamics nor engines nor masses read it, and flight control does not run")
+}
+
+/// Whether setting a property would move what a surface moves.
+fn linked_to_surface(aircraft: &Aircraft, surfaces: &[Surface; 3], index: usize) -> bool {
+    let mut along = aircraft.written_along(index).filter_map(|name| aircraft.property(name));
+    along.any(|other| surfaces.iter().any(|surface| surface.sets(other)))
+}
+
+/// Names of the properties that can be set.
+fn settable<'a>(aircraft: &'a Aircraft, surfaces: &[Surface; 3], options: &FlownOptions) -> Vec<&'a str> {
+    let names = aircraft.properties().enumerate();
+    names.filter(|(index, _)| source_of(aircraft, surfaces, options, *index).is_none()).map(|(_, name)| name).collect()
+}
+
+/// Names in a row, the first of many.
+fn named(mut names: Vec<&str>) -> String {
+    // What the files describe, such as tanks, flaps and masses, goes before sizes that are mostly left alone.
+    names.sort_by_key(|name| (name.starts_with("metrics/"), name.starts_with("atmosphere/"), *name));
+    let more = names.len().saturating_sub(MOST_NAMED);
+    let mut text = names.into_iter().take(MOST_NAMED).collect::<Vec<_>>().join(", ");
+    if text.is_empty() {
+        text.push_str("nothing");
+    }
+    if more > 0 {
+        text.push_str(&format!(" and {more} more"));
+    }
+    text
 }
