@@ -171,7 +171,7 @@ fn what_a_flight_lacks_is_named_with_how_to_give_it() {
     assert_eq!(pushed.propulsion(50.0, 0.0, 0.3).force, [30_000.0, 0.0, 0.0]);
     // A name that no file has, a mass that cannot be, an aircraft of another kind.
     let misspelt = refused(FlownOptions { properties: vec![("totalMas".to_owned(), 1.0)], ..FlownOptions::default() });
-    assert!(matches!(&misspelt, FlownError::Property { name } if name == "totalMas"));
+    assert!(matches!(&misspelt, FlownError::Property { name, .. } if name == "totalMas"));
     let mut negative = properties;
     negative[0].1 = -1.0;
     let text = refused(FlownOptions { properties: negative, ..FlownOptions::default() }).to_string();

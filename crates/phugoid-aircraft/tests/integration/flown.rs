@@ -292,8 +292,9 @@ fn compiled_aerodynamics_are_those_of_the_evaluator_whatever_came_before() {
             let expected = [expected.force, expected.moment].concat();
             let largest = expected.iter().fold(1e-3_f64, |most, value| most.max(value.abs()));
             for (found, expected) in first.iter().zip(&expected) {
-                // The flown aircraft takes the height from the density, by constants of eight digits; the Shuttle reads it.
-                assert!((found - expected).abs() <= 1e-8 * largest, "{name}: {first:?} {expected:?} at {air:?}");
+                // The flown aircraft takes the height from the density, by constants of eight digits; the Shuttle reads it,
+                // and computes with it what its channels make of it.
+                assert!((found - expected).abs() <= 3e-8 * largest, "{name}: {first:?} {expected:?} at {air:?}");
             }
             compared += 1;
         }

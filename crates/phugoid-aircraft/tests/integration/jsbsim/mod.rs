@@ -3,9 +3,11 @@
 #![allow(clippy::unwrap_used, reason = "what is missing fails the test")]
 
 mod broken;
+mod engines;
 mod flights;
 mod package;
 mod recorded;
+mod sources;
 
 use std::path::{Path, PathBuf};
 
