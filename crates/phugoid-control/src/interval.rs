@@ -7,6 +7,7 @@
 
 use crate::gains::Gains;
 use crate::local::{AXES, LocalModel, STATES, SURFACES, VARIABLES};
+use crate::qualities::{Category, Level, NUMBERS, Qualities, qualities};
 use crate::roots::{Root, eigenvalues};
 
 /// Damping ratio of the line that roots are measured from: level 1 of MIL-F-8785C for the short period asks for as much.
@@ -107,6 +108,72 @@ pub fn worst(estimate: &Estimate, gains: &Gains) -> Excess {
         lateral: excess(&reached(1), gains).lateral.max(nominal.lateral),
         whole: excess(&reached(2), gains).whole.max(nominal.whole),
     }
+}
+
+/// Levels of flying qualities in pitch, and of Dutch roll, roll and spiral together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Levels {
+    /// Of the short period.
+    pub pitch: Level,
+    /// The worst of Dutch roll, roll and spiral.
+    pub lateral: Level,
+}
+
+impl Levels {
+    fn of(found: &Qualities) -> Self {
+        Self { pitch: found.pitch_level(), lateral: found.lateral_level() }
+    }
+
+    fn worse_of(self, other: Self) -> Self {
+        Self { pitch: self.pitch.max(other.pitch), lateral: self.lateral.max(other.lateral) }
+    }
+}
+
+/// The worst levels with these gains within two standard errors of the estimate: of each number that levels are judged by (frequencies,
+/// damping ratios, roll and spiral) both points of the ellipsoid in which its linear expansion is extreme, and each entry alone at either
+/// end of its bound, because levels have steps that no expansion shows. Standard errors that are not finite make both worse than level
+/// 3: nothing is known then.
+pub fn worst_levels(estimate: &Estimate, gains: &Gains, category: Category) -> Levels {
+    let feedback = gains.feedback();
+    let of = |model: &LocalModel| qualities(&model.closed_loop(&feedback), model.load_factor_per_alpha(), category);
+    let nominal = of(&estimate.model);
+    let middle = nominal.numbers();
+    let mut found = Levels::of(&nominal);
+    let mut slopes = [[0.0; NUMBERS]; ENTRIES];
+    for (entry, slope) in slopes.iter_mut().enumerate() {
+        let std_error = at(&estimate.std_error, entry);
+        if !std_error.is_finite() {
+            return Levels { pitch: Level::Worse, lateral: Level::Worse };
+        }
+        if std_error == 0.0 {
+            continue;
+        }
+        let moved = |steps: f64| of(&with(&estimate.model, entry, at(&estimate.model, entry) + steps * std_error));
+        for steps in [-SIGMAS, SIGMAS] {
+            found = found.worse_of(Levels::of(&moved(steps)));
+        }
+        for (slope, (there, here)) in slope.iter_mut().zip(moved(1.0).numbers().into_iter().zip(middle)) {
+            // A mode that is missing here or there has no slope; its level is looked at above.
+            let change = there - here;
+            *slope = if change.is_finite() { change } else { 0.0 };
+        }
+    }
+    for number in 0..NUMBERS {
+        let length = libm::sqrt(slopes.iter().map(|slope| slope[number] * slope[number]).sum::<f64>());
+        if !(length > 0.0 && length.is_finite()) {
+            continue;
+        }
+        for sigmas in [-SIGMAS, SIGMAS] {
+            let mut model = estimate.model;
+            for (entry, slope) in slopes.iter().enumerate() {
+                let step = sigmas * slope[number] / length * at(&estimate.std_error, entry);
+                model = with(&model, entry, at(&model, entry) + step);
+            }
+            found = found.worse_of(Levels::of(&of(&model)));
+        }
+    }
+    found
 }
 
 /// The worst motions within the bounds of an estimate with two sets of gains.
@@ -218,6 +285,23 @@ mod tests {
         }
         let unknown = worst(&known_to(f64::INFINITY), &gains);
         assert_eq!(unknown.largest(), f64::INFINITY);
+    }
+
+    /// Level 1 at the estimate is level 1 within narrow bounds, less within wide ones, and no level where nothing is known; what is
+    /// uncertain in pitch alone says nothing against roll and yaw.
+    #[test]
+    fn the_worst_level_falls_with_the_bounds() {
+        let gains = Gains::place(&fighter(), &Targets::default()).unwrap();
+        let levels = |estimate: &Estimate| worst_levels(estimate, &gains, Category::B);
+        let narrow = levels(&known_to(0.01));
+        assert_eq!(narrow, Levels { pitch: Level::One, lateral: Level::One });
+        let wide = levels(&known_to(0.5));
+        assert!(wide.pitch > Level::One && wide.lateral > Level::One, "{wide:?}");
+        let mut in_pitch = known_to(0.0);
+        in_pitch.std_error.rates[1] = [8.0, 0.0, 0.0, 1.0, 0.0];
+        let found = levels(&in_pitch);
+        assert!(found.pitch > Level::One && found.lateral == Level::One, "{found:?}");
+        assert_eq!(levels(&known_to(f64::NAN)), Levels { pitch: Level::Worse, lateral: Level::Worse });
     }
 
     /// An aircraft that has lost stability and half of its elevator: new gains are supported once the bounds are small, and not

@@ -49,16 +49,42 @@ pub struct Qualities {
     pub spiral: Option<(f64, Level)>,
 }
 
+/// Number of [`Qualities::numbers`].
+pub(crate) const NUMBERS: usize = 8;
+
 impl Qualities {
-    /// The worst level of all modes. A mode that is missing counts as worse than level 3 if another one grows in its place.
-    pub fn level(&self) -> Level {
+    /// The level in pitch: that of the short period; worse than level 3 where there is none.
+    pub fn pitch_level(&self) -> Level {
+        self.short_period.map_or(Level::Worse, |(.., level)| level)
+    }
+
+    /// The worst level of Dutch roll, roll and spiral; worse than level 3 where one is missing.
+    pub fn lateral_level(&self) -> Level {
         let levels = [
-            self.short_period.map(|(.., level)| level),
             self.dutch_roll.map(|(.., level)| level),
             self.roll.map(|(_, level)| level),
             self.spiral.map(|(_, level)| level),
         ];
         levels.into_iter().map(|level| level.unwrap_or(Level::Worse)).max().unwrap_or(Level::Worse)
+    }
+
+    /// The numbers that levels are judged by, each smooth in the derivatives; NaN where the mode is missing.
+    pub(crate) fn numbers(&self) -> [f64; NUMBERS] {
+        let [frequency, damping, anticipation] = self
+            .short_period
+            .map_or([f64::NAN; 3], |(frequency, damping, anticipation, _)| [frequency, damping, anticipation]);
+        let [dutch_frequency, dutch_damping] =
+            self.dutch_roll.map_or([f64::NAN; 2], |(frequency, damping, _)| [frequency, damping]);
+        let roll = self.roll.map_or(f64::NAN, |(constant, _)| 1.0 / constant);
+        // Zero where it is stable: the time to double is infinite.
+        let spiral = self.spiral.map_or(f64::NAN, |(double, _)| 1.0 / double);
+        let product = dutch_frequency * dutch_damping;
+        [frequency, damping, anticipation, dutch_frequency, dutch_damping, product, roll, spiral]
+    }
+
+    /// The worst level of all modes. A mode that is missing counts as worse than level 3 if another one grows in its place.
+    pub fn level(&self) -> Level {
+        self.pitch_level().max(self.lateral_level())
     }
 }
 
