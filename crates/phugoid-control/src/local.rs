@@ -18,6 +18,9 @@ pub const AXES: usize = 3;
 /// States of the whole local motion: angle of attack, sideslip, bank angle, roll, pitch and yaw rate.
 pub const STATES: usize = 6;
 
+/// The axis that elevator, aileron and rudder are there for, among roll, pitch and yaw: pitch, roll, yaw.
+pub const MAIN_AXIS: [usize; SURFACES] = [1, 0, 2];
+
 /// Indices of the feedback variables.
 pub const ALPHA: usize = 0;
 /// Sideslip.

@@ -9,10 +9,13 @@
 //!
 //! because `w' = f(x, u) + R w`. Positions are measured, and only the little that the flight is not steady by goes through the
 //! estimate. Nothing is extrapolated to another angle of attack, so that a wrong slope does not make a wrong margin.
+//!
+//! A way that a surface still has is worth what it moves the aircraft by: the way is multiplied by the part of the surface's effect on its
+//! own axis that is left, and of a surface whose effect is zero within its bound nothing is left.
 
 use crate::gains::{Gains, weighted_inverse};
 use crate::interval::Estimate;
-use crate::local::{AXES, P, Q, R, SURFACES, VARIABLES};
+use crate::local::{AXES, LocalModel, MAIN_AXIS, P, Q, R, SURFACES, VARIABLES};
 use crate::prediction::Steady;
 
 /// What is left of a surface.
@@ -25,22 +28,29 @@ pub struct Margin {
     pub std_error: f64,
     /// Whether the surface is used; of one that is lost nothing is left.
     pub is_used: bool,
-    /// The smaller of the ways to the two limits, as a part of half the range: 1 in the middle, 0 at a limit, negative beyond it,
-    /// where this flight cannot be held. Zero for a surface that is lost.
+    /// Whether its effect on its own axis (elevator pitch, aileron roll, rudder yaw) differs from zero by more than two standard errors.
+    pub has_effect: bool,
+    /// Part of its effect on its own axis that is left of what it was before, 0 to 1; none where nothing is known of before.
+    pub effect: Option<f64>,
+    /// The smaller of the ways to the two limits as a part of half the range, 1 in the middle and 0 at a limit, times the effect that is
+    /// left where that is known. Negative beyond a limit, where this flight cannot be held: then without the effect. Zero for a
+    /// surface that is lost or has no effect.
     pub left: f64,
-    /// The same with two standard errors taken off.
+    /// The same with two standard errors of position and effect taken off.
     pub at_least: f64,
 }
 
 /// What is left of elevator, aileron and rudder after the last seconds (`steady`, rad, rad/s, rad/s^2), with limits of the positions
 /// in rad. `gains` are those of the estimate's own model. `scale` is one standard deviation of the scale of recorded positions, a
-/// part: it moves the true position with the position itself. Numbers that are none make margins that are none.
+/// part: it moves the true position with the position itself. `before` is the aircraft before anything was damaged, at the present speed and
+/// air density, where it is known. Numbers that are none make margins that are none.
 pub fn margins(
     estimate: &Estimate,
     gains: &Gains,
     steady: &Steady,
     limits: &[[f64; 2]; SURFACES],
     scale: f64,
+    before: Option<&LocalModel>,
 ) -> [Margin; SURFACES] {
     let (model, error, variables) = (&estimate.model, &estimate.std_error, &steady.variables);
     let by_rates = |row: &[f64; VARIABLES]| [row[P] * variables[P], row[Q] * variables[Q], row[R] * variables[R]];
@@ -75,9 +85,21 @@ pub fn margins(
         let std_error = libm::sqrt(variance);
         let [lowest, highest] = limits[j];
         let half = 0.5 * (highest - lowest);
-        let left = if is_used { (highest - trim).min(trim - lowest) / half } else { 0.0 };
-        let at_least = if is_used { left - 2.0 * std_error / half } else { 0.0 };
-        Margin { trim, std_error, is_used, left, at_least }
+        let axis = MAIN_AXIS[j];
+        let (now, doubt) = (model.surfaces[axis][j], 2.0 * error.surfaces[axis][j]);
+        let has_effect = now.abs() > doubt;
+        let effects = before.map(|before| before.surfaces[axis][j]).filter(|before| before.abs() > 0.0);
+        // More than before is the noise of the estimate, or a limit that is as far as before.
+        let [effect, surely] =
+            [0.0, doubt].map(|off| effects.map(|before| (now / before - off / before.abs()).clamp(0.0, 1.0)));
+        let weighed = |way: f64, effect: Option<f64>| match (is_used && has_effect, effect) {
+            (false, _) => 0.0,
+            (true, Some(effect)) if way > 0.0 => way * effect,
+            (true, _) => way,
+        };
+        let way = (highest - trim).min(trim - lowest) / half;
+        let (left, at_least) = (weighed(way, effect), weighed(way - 2.0 * std_error / half, surely));
+        Margin { trim, std_error, is_used, has_effect, effect, left, at_least }
     })
 }
 
@@ -85,7 +107,6 @@ pub fn margins(
 mod tests {
     use super::*;
     use crate::gains::tests::fighter;
-    use crate::local::LocalModel;
     use crate::target::Targets;
 
     const LIMITS: [[f64; 2]; 3] = [[-0.4, 0.4]; 3];
@@ -101,14 +122,14 @@ mod tests {
         let model = LocalModel { constant: [0.0, -9.0, 0.0], ..fighter() };
         let gains = Gains::place(&model, &Targets::default()).unwrap();
         let known = Estimate { model, std_error: LocalModel::default() };
-        let found = margins(&known, &gains, &steady(), &LIMITS, 0.0)[0];
+        let found = margins(&known, &gains, &steady(), &LIMITS, 0.0, None)[0];
         assert!((found.trim + 0.2).abs() < 1e-12 && (found.left - 0.5).abs() < 1e-12, "{found:?}");
         let rising = Steady { accelerations: [0.0, 0.11, 0.0], noise: [0.0, 0.022, 0.0], ..steady() };
-        let found = margins(&known, &gains, &rising, &LIMITS, 0.0)[0];
+        let found = margins(&known, &gains, &rising, &LIMITS, 0.0, None)[0];
         // The price of deflection takes half a thousandth.
         assert!((found.trim + 0.19).abs() < 2e-4 && (found.std_error - 0.002).abs() < 2e-5, "{found:?}");
         assert!((found.left - 0.525).abs() < 1e-3 && (found.at_least - 0.515).abs() < 1e-3, "{found:?}");
-        let scaled = margins(&known, &gains, &steady(), &LIMITS, 0.03)[0];
+        let scaled = margins(&known, &gains, &steady(), &LIMITS, 0.03, None)[0];
         assert!((scaled.std_error - 0.006).abs() < 1e-9);
     }
 
@@ -120,10 +141,28 @@ mod tests {
         let gains = Gains::place(&model, &Targets::default()).unwrap();
         let std_error = LocalModel { rates: [[0.0; 5], [0.0, 0.0, 0.0, 0.5, 0.0], [0.0; 5]], ..LocalModel::default() };
         let turning = Steady { variables: [0.0, 0.0, 0.0, 0.1, 0.0], ..steady() };
-        let found = margins(&Estimate { model, std_error }, &gains, &turning, &LIMITS, 0.0)[0];
+        let found = margins(&Estimate { model, std_error }, &gains, &turning, &LIMITS, 0.0, None)[0];
         let moved = -model.rates[1][3] * 0.1 / model.surfaces[1][0];
         assert!((found.trim - (-0.2 - moved)).abs() < 2e-4, "{found:?} {moved}");
         assert!((found.std_error - 0.05 / 11.0).abs() < 2e-5, "{found:?}");
+    }
+
+    /// Of a rudder with a quarter of its effect a quarter of the way is left, and of one whose effect is zero within its bound nothing,
+    /// wherever it stands.
+    #[test]
+    fn a_way_is_worth_what_the_surface_still_does() {
+        let before = fighter();
+        let mut model = before;
+        model.surfaces[2][2] *= 0.25;
+        let gains = Gains::place(&model, &Targets::default()).unwrap();
+        let mut std_error = LocalModel::default();
+        std_error.surfaces[2][2] = 0.05 * before.surfaces[2][2].abs();
+        let found = margins(&Estimate { model, std_error }, &gains, &steady(), &LIMITS, 0.0, Some(&before))[2];
+        assert!(found.has_effect && (found.effect.unwrap() - 0.25).abs() < 1e-12, "{found:?}");
+        assert!((found.left - 0.25).abs() < 1e-9 && (found.at_least - 0.15).abs() < 1e-9, "{found:?}");
+        model.surfaces[2][2] *= 0.3;
+        let found = margins(&Estimate { model, std_error }, &gains, &steady(), &LIMITS, 0.0, Some(&before))[2];
+        assert!(found.is_used && !found.has_effect && found.left == 0.0 && found.at_least == 0.0, "{found:?}");
     }
 
     #[test]
@@ -131,7 +170,7 @@ mod tests {
         let model = fighter();
         let gains = Gains::place_with(&model, &Targets::default(), [false, true, true]).unwrap();
         let known = Estimate { model, std_error: LocalModel::default() };
-        let found = margins(&known, &gains, &steady(), &LIMITS, 0.0)[0];
+        let found = margins(&known, &gains, &steady(), &LIMITS, 0.0, None)[0];
         assert!(!found.is_used && found.trim == -0.2 && found.left == 0.0 && found.at_least == 0.0, "{found:?}");
     }
 }

@@ -1,7 +1,7 @@
 //! An aircraft of which nothing is known but mass, inertia and geometry: the estimate is all of its aerodynamics.
 
 use phugoid_control::interval::Estimate;
-use phugoid_control::local::{AXES, LocalModel, SURFACES};
+use phugoid_control::local::{AXES, LocalModel};
 use phugoid_flight_dynamics::aircraft::Geometry;
 use phugoid_flight_dynamics::mass::MassProperties;
 use phugoid_flight_dynamics::trim::Trim;
@@ -9,6 +9,7 @@ use phugoid_identification::model_file::{ModelFile, RateSpeed, ReferenceValue, R
 use phugoid_identification::rigid::MassInput;
 use phugoid_identification::term::{Coefficient, FACTORS, Term, Variable};
 
+use crate::forces::Condition;
 use crate::known::{Declared, Increment, Reach, add, with_declared};
 use crate::performance::Polar;
 
@@ -183,15 +184,15 @@ pub fn whole(
 }
 
 impl Body {
-    /// Lift and drag coefficient without sideslip and rates at an airspeed (m/s) and angle of attack (rad) with the surfaces at these
-    /// positions (rad), and what a unit of each parameter adds to them.
-    pub(crate) fn polar(
-        &self,
-        parameters: &[Increment],
-        [speed, alpha]: [f64; 2],
-        positions: [f64; SURFACES],
-    ) -> Polar {
+    /// Lift and drag coefficient at a condition, and what a unit of each parameter adds to them.
+    pub(crate) fn polar(&self, parameters: &[Increment], condition: &Condition) -> Polar {
+        let Condition { flown: [speed, _], angles: [alpha, beta], rates, positions } = *condition;
+        let rate_speed = if self.rates_by_reference { self.reference_speed } else { speed };
         let mut at = [0.0; FACTORS];
+        at[Variable::Beta.index()] = beta;
+        at[Variable::RollRate.index()] = rates[0] * self.geometry.span / (2.0 * rate_speed);
+        at[Variable::PitchRate.index()] = rates[1] * self.geometry.mean_chord / (2.0 * rate_speed);
+        at[Variable::YawRate.index()] = rates[2] * self.geometry.span / (2.0 * rate_speed);
         at[Variable::Alpha.index()] = alpha - self.reference[0];
         at[Variable::Airspeed.index()] = speed / self.reference_speed;
         for (j, variable) in [Variable::Elevator, Variable::Aileron, Variable::Rudder].into_iter().enumerate() {

@@ -4,8 +4,8 @@ use phugoid_control::excitation::{Excitation, Now, Settings as ExcitationSetting
 use phugoid_control::following::{Follower, Following};
 use phugoid_control::gains::Gains;
 use phugoid_control::interval::{Comparison, Estimate};
-use phugoid_control::law::{Law, Measured};
-use phugoid_control::local::{AXES, SURFACES};
+use phugoid_control::law::{Demand, Law, Measured};
+use phugoid_control::local::{AXES, MAIN_AXIS, SURFACES};
 use phugoid_control::prediction::{Recent, Steady};
 use phugoid_control::qualities::{Category, qualities};
 use phugoid_control::target::Targets;
@@ -16,6 +16,8 @@ const WORTH: f64 = 0.1;
 const EVERY: f64 = 0.2;
 /// Roll, pitch and yaw acceleration that noise and gusts make, rad/s^2.
 const FLOOR: [f64; AXES] = [0.25, 0.1, 0.05];
+/// Roll, pitch and yaw, as in "not controllable in pitch".
+pub const AXIS_NAMES: [&str; AXES] = ["roll", "pitch", "yaw"];
 /// The surfaces in their order.
 pub const NAMES: [&str; SURFACES] = ["elevator", "aileron", "rudder"];
 
@@ -28,8 +30,10 @@ pub enum Decision {
     Reserve,
     /// The present gains were taken without the surface that is lost.
     LeftOut,
-    /// A surface no longer does what it is told.
+    /// A surface no longer does what it is told, or does again ([`Following::Follows`]).
     Surface(usize, Following),
+    /// The present gains were taken with a surface that does again what it is told.
+    TakenBack,
 }
 
 /// A controller that takes its gains from estimates.
@@ -42,6 +46,9 @@ pub struct Controller {
     /// Gains for what is not known yet; none once gains of an estimate, or these, were taken.
     reserve: Option<Gains>,
     recent: Recent,
+    /// Where surfaces that are not used were when they were given up, rad: what they are told, so that one that moves with an addition to
+    /// that can be told from one that does not. If they were told where they are, the command would follow the surface.
+    held: [Option<f64>; SURFACES],
     /// What was added to the last commands, rad.
     probe: [f64; SURFACES],
     next_s: f64,
@@ -81,6 +88,7 @@ impl Controller {
             free: [true; SURFACES],
             reserve: None,
             recent: Recent::new(),
+            held: [None; SURFACES],
             probe: [0.0; SURFACES],
             next_s: 0.0,
         }
@@ -117,9 +125,10 @@ impl Controller {
         self.recent.steady(&estimate.model)
     }
 
-    /// Whether the estimate has explained how the aircraft moved in the last three seconds.
+    /// Whether the estimate has explained how the aircraft turned in the last three seconds, and in the last six tenths of one: of damage
+    /// that has just happened the longer look still sees the aircraft of before.
     pub fn explains(&self, estimate: &Estimate) -> bool {
-        self.recent.has_explained(&estimate.model, FLOOR)
+        self.recent.has_explained(&estimate.model, FLOOR) && self.recent.explains(&estimate.model, FLOOR)
     }
 
     /// Looks at the surfaces and the estimate, and changes gains where that is better.
@@ -127,7 +136,7 @@ impl Controller {
         let mut decisions = Vec::new();
         let sample_time = self.law.settings().sample_time;
         self.recent.update(&told.measured.variables, &told.measured.surfaces, sample_time);
-        let mut lost = false;
+        let (mut lost, mut again) = (false, false);
         if let Some(followers) = &mut self.followers {
             for (j, follower) in followers.iter_mut().enumerate() {
                 let before = follower.found();
@@ -136,7 +145,8 @@ impl Controller {
                 if found != before {
                     decisions.push(Decision::Surface(j, found));
                     lost |= self.free[j] && !found.can_be_used();
-                    self.free[j] &= found.can_be_used();
+                    again |= !self.free[j] && found.can_be_used();
+                    self.free[j] = found.can_be_used();
                 }
             }
             let limits = self.law.settings().rate_limits;
@@ -148,7 +158,7 @@ impl Controller {
                 self.law.set_rate_limits(slowed);
             }
         }
-        if !(self.is_due(told.time_s) || lost) {
+        if !(self.is_due(told.time_s) || lost || again) {
             return decisions;
         }
         self.next_s = told.time_s + EVERY;
@@ -161,13 +171,13 @@ impl Controller {
             decisions.push(Decision::Reserve);
         }
         let now = *self.law.gains();
-        if lost {
+        if lost || again {
             // The same motion with the surfaces that are left. A surface that stands still changes nothing else of the aircraft, and
             // what the estimate says meanwhile is held to the same rules as before.
             if let Some(new) = now.with_free(self.free)
                 && self.law.change_gains(new)
             {
-                decisions.push(Decision::LeftOut);
+                decisions.push(if lost { Decision::LeftOut } else { Decision::TakenBack });
             }
         } else if let Some(estimate) = told.estimate
             && let Some(new) = Gains::place_with(&estimate.model, &self.targets, self.free)
@@ -183,6 +193,19 @@ impl Controller {
             }
         }
         decisions
+    }
+
+    /// Commands of the law to elevator, aileron and rudder (rad) for one frame; a surface that is not used is told to stay where it was
+    /// given up.
+    pub fn command(&mut self, measured: &Measured, demand: &Demand) -> [f64; SURFACES] {
+        let mut commands = self.law.update(measured, demand);
+        for (j, command) in commands.iter_mut().enumerate() {
+            match self.law.gains().free[j] {
+                true => self.held[j] = None,
+                false => *command = *self.held[j].get_or_insert(*command),
+            }
+        }
+        commands
     }
 
     /// What is added to the commands so that the estimate becomes better, rad.
@@ -222,8 +245,7 @@ fn is_better(estimate: &Estimate, now: &Gains, new: &Gains) -> bool {
 /// against a quarter of it, and of stability and damping of its axis against what the closed loop is to have.
 fn widths(estimate: &Estimate, free: [bool; SURFACES]) -> [f64; SURFACES] {
     let (model, error) = (&estimate.model, &estimate.std_error);
-    // Axis of each surface, and the feedback variables of that axis: pitch by alpha and q, roll by p, yaw by beta and r.
-    const AXIS: [usize; SURFACES] = [1, 0, 2];
+    // The feedback variables of the axis of each surface: pitch by alpha and q, roll by p, yaw by beta and r.
     const VARIABLES: [&[usize]; SURFACES] = [&[0, 3], &[2], &[1, 4]];
     // What a change of each of these by one unit of the closed loop is: 1/s^2 for angles, 1/s for rates.
     const UNIT: [f64; 5] = [2.0, 2.0, 1.0, 0.8, 0.8];
@@ -231,7 +253,7 @@ fn widths(estimate: &Estimate, free: [bool; SURFACES]) -> [f64; SURFACES] {
         if !free[j] {
             return 0.0;
         }
-        let axis = AXIS[j];
+        let axis = MAIN_AXIS[j];
         let effect = 2.0 * error.surfaces[axis][j] / (0.25 * model.surfaces[axis][j].abs().max(1.0));
         VARIABLES[j].iter().map(|v| 2.0 * error.rates[axis][*v] / UNIT[*v]).fold(effect, f64::max)
     })

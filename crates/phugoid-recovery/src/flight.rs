@@ -1,11 +1,11 @@
 //! One flight in closed loop: the aircraft of a scenario with its damage, its sensors, an estimator, and a control law.
 
 use phugoid_control::excitation::Settings as ExcitationSettings;
-use phugoid_control::following::Follower;
+use phugoid_control::following::{Follower, Following};
 use phugoid_control::gains::Gains;
 use phugoid_control::interval::Estimate;
 use phugoid_control::law::{Form, Law, Measured, Settings as LawSettings};
-use phugoid_control::local::SURFACES;
+use phugoid_control::local::{LocalModel, SURFACES};
 use phugoid_control::lost::{Name, losses, name};
 use phugoid_control::prediction::{LAG, Steady};
 use phugoid_control::target::Targets;
@@ -28,9 +28,10 @@ pub use crate::history::History;
 
 use crate::changes::{Changes, Known};
 use crate::controller::{Controller, Decision, NAMES, Told};
+use crate::forces::Condition;
 use crate::known::{Declared, Increment, estimate};
 use crate::learning::Learning;
-use crate::outcome::{Left, Outcome, judge, left};
+use crate::outcome::{Asked, Left, Outcome, judge, left};
 use crate::performance::{Flown, Performance, performance};
 use crate::pilot::Pilot;
 use crate::robust::robust_gains;
@@ -144,8 +145,10 @@ pub struct RecoveryFlight {
     pub outcome: Outcome,
     /// What the last estimate says is left, with the control that has one.
     pub left: Option<Left>,
-    /// Whether the last estimate explains how the aircraft moved in the last seconds; where it does not, neither it nor what follows
-    /// from it is to be used. With the control that has one.
+    /// Whether the last estimate explains how the aircraft turned in the last seconds (its angular accelerations, over three seconds and over
+    /// six tenths of one), no change is suspected, and the aircraft did not depart; where it does not, neither it nor what follows from
+    /// it is to be used. With the control that has one. Whether it explains lift and drag is in
+    /// [`performance`](Performance::forces).
     pub explained: Option<bool>,
     /// What the aircraft can still do, by the last estimate; none with a control that has none, and where too little was flown since the
     /// last change.
@@ -314,10 +317,14 @@ impl<'a> Loop<'a> {
                 break;
             }
         }
+        // What the scenario has after the end of the flight did not happen.
+        let end = self.history.time_s.last().copied().unwrap_or(0.0);
+        self.events.retain(|event| event.time_s <= end);
         self.events.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
         let truth = self.truth();
         let gains = *self.controller.gains();
-        let outcome = judge(&self.history, self.departed, &self.trim, &truth, &gains, self.scale);
+        let outcome =
+            judge(&self.history, self.departed, &self.trim, &truth, &gains, self.scale, self.aircraft.gravity());
         let lost = self.lost();
         let limits = self.controller.law().settings().limits;
         let flown = self.estimate.and_then(|estimate| Some((estimate, self.steady(&estimate)?)));
@@ -325,8 +332,34 @@ impl<'a> Loop<'a> {
         let window = [window, LAG].map(|time| self.scale.model_time(time));
         let truly = truly_steady(&self.course, &self.history, &self.trim, &gains, window, self.aircraft.gravity());
         let scale = Declared::UNSTATED.surface_scale;
-        let left = flown.map(|(estimate, steady)| left(&estimate, &gains, &steady, &limits, scale));
-        let performance = left.as_ref().and_then(|left| self.performance(left, &gains, &limits));
+        let (before, truly_before) = (self.before(), self.undamaged());
+        let told = self.learning.as_deref().map_or([false; 2], Learning::told);
+        let asked = flown.as_ref().map(|(estimate, steady)| Asked {
+            estimate,
+            gains: &gains,
+            steady,
+            limits: &limits,
+            scale,
+            before: before.as_ref(),
+            told,
+        });
+        let left = asked.map(|asked| self::left(&asked));
+        let explained = self
+            .estimate
+            .as_ref()
+            .map(|estimate| !self.departed && !self.in_doubt && self.controller.explains(estimate));
+        let performance =
+            left.as_ref().and_then(|left| self.performance(left, &gains, &limits, window[0], explained == Some(true)));
+        let truly = Asked {
+            estimate: &truth,
+            gains: &gains,
+            steady: &truly,
+            limits: &limits,
+            scale: 0.0,
+            before: Some(&truly_before),
+            told: [true; 2],
+        };
+        let truly_left = self::left(&truly);
         Ok(RecoveryFlight {
             scenario: self.scenario.name.clone(),
             control: self.settings.control,
@@ -335,8 +368,8 @@ impl<'a> Loop<'a> {
             outcome,
             left,
             performance,
-            explained: self.estimate.as_ref().map(|estimate| self.controller.explains(estimate)),
-            truly_left: crate::outcome::left(&truth, &gains, &truly, &limits, 0.0),
+            explained,
+            truly_left,
             lost,
             estimate: self.estimate,
             truth,
@@ -351,17 +384,68 @@ impl<'a> Loop<'a> {
         Some(learning.settled(steady, self.scale, self.scenario.sample_rate.si(), density))
     }
 
-    /// What the aircraft can still do, by the last estimate.
-    fn performance(&self, left: &Left, gains: &Gains, limits: &[[f64; 2]; SURFACES]) -> Option<Performance> {
+    /// The undamaged aircraft about the trim's attitude, at the present speed and altitude, at full size.
+    fn undamaged(&self) -> LocalModel {
+        let [speed, altitude] = self.flown;
+        let known = estimate(self.aircraft, &self.trim, &[], &Declared::UNSTATED, speed, altitude);
+        self.scale.model(&known.model)
+    }
+
+    /// What the estimator knows of the aircraft before it was damaged, at the present speed and altitude, at full size. None where it knows
+    /// nothing of before.
+    fn before(&self) -> Option<LocalModel> {
+        let learning = self.learning.as_deref()?;
+        let found = learning.local(self.aircraft, &self.trim, &self.parameters_before()?, self.flown);
+        Some(self.scale.model(&found.model))
+    }
+
+    /// The parameters before the damage: with increments to a known aircraft none, which is that one, else those before the changes that
+    /// were adopted last. None where nothing was adopted.
+    fn parameters_before(&self) -> Option<Vec<Increment>> {
+        let learning = self.learning.as_deref()?;
+        if learning.body.is_none() {
+            return Some(Vec::new());
+        }
+        let (before, _) = self.changes.before_and_after()?;
+        let named = learning.session.layout().parameters.iter().zip(&before.parameters);
+        let one = named.map(|(layout, [value, std_error])| Increment {
+            name: layout.name.clone(),
+            value: *value,
+            std_error: *std_error,
+        });
+        Some(one.collect())
+    }
+
+    /// What the aircraft can still do, by the last estimate and the last `seconds`.
+    fn performance(
+        &self,
+        left: &Left,
+        gains: &Gains,
+        limits: &[[f64; 2]; SURFACES],
+        seconds: f64,
+        motion_explained: bool,
+    ) -> Option<Performance> {
         let (learning, estimate) = (self.learning.as_deref()?, self.estimate.as_ref()?);
         let own = Gains::place_with(&estimate.model, &self.settings.targets, gains.free)?;
         let parameters = learning.parameters();
         let covariance = learning.covariance(&parameters)?;
         let positions = left.margins.map(|margin| margin.trim);
-        let polar = |alpha: f64| learning.polar(self.aircraft, &self.trim, &parameters, self.flown, positions, alpha);
+        let polar = |alpha: f64| {
+            let at = Condition { flown: self.flown, angles: [alpha, 0.0], rates: [0.0; 3], positions };
+            learning.polar(self.aircraft, &self.trim, &parameters, &at)
+        };
+        let at = Condition { flown: self.flown, angles: [left.flow_angles[0], 0.0], rates: [0.0; 3], positions };
+        let lift_before =
+            self.parameters_before().map(|before| learning.polar(self.aircraft, &self.trim, &before, &at).value[0]);
         let [speed, altitude] = self.flown;
+        let rate = self.scenario.sample_rate.si();
+        let forces = learning.forces(self.aircraft, &self.trim, &parameters, &covariance, seconds, rate);
         performance(
             &Flown {
+                forces: forces.as_ref(),
+                lift_before,
+                departed: self.departed,
+                motion_explained,
                 alphas: learning.alphas(),
                 alpha: left.flow_angles[0],
                 speed,
@@ -478,7 +562,16 @@ impl<'a> Loop<'a> {
                     (Kind::Reserve, "robust gains, because the aircraft does not move as it did".to_owned())
                 }
                 Decision::LeftOut => (Kind::NewGains, "the same gains with the surfaces that are left".to_owned()),
+                Decision::TakenBack => {
+                    (Kind::NewGains, "the same gains with the surface that follows again".to_owned())
+                }
                 Decision::NewGains => (Kind::NewGains, "new gains, because the bounds support them".to_owned()),
+                Decision::Surface(j, Following::Follows) => {
+                    (Kind::Surface, format!("the {} follows its command again", NAMES[j]))
+                }
+                Decision::Surface(j, Following::Play) => {
+                    (Kind::Surface, format!("the {} follows its command with play", NAMES[j]))
+                }
                 Decision::Surface(j, found) => {
                     let word = format!("{found:?}").to_lowercase();
                     (Kind::Surface, format!("the {} does not follow its command: {word}", NAMES[j]))
@@ -488,7 +581,7 @@ impl<'a> Loop<'a> {
         }
         let load_factor = -reading.channel("az") / self.aircraft.gravity();
         let added = self.controller.excite(&told, load_factor);
-        let commands = self.controller.law().update(&measured, &wish.demand);
+        let commands = self.controller.command(&measured, &wish.demand);
         let [elevator, aileron, rudder]: [f64; SURFACES] = std::array::from_fn(|j| commands[j] + added[j]);
         Controls { throttle: wish.throttle, elevator, aileron, rudder }
     }
@@ -559,7 +652,9 @@ fn scenario_events(scenario: &Scenario, later: Option<&LaterAircraft>) -> Vec<Ev
         kind: Kind::Damage,
         text: format!("failure of the {}", failure.surface.name()),
     });
-    let changes = later.iter().map(|later| Event {
+    // A transport that is "damaged" to be whole is the one that took off.
+    let none = scenario.aircraft.damaged.is_some_and(|word| word.0.word() == "none");
+    let changes = later.iter().filter(|_| !none).map(|later| Event {
         time_s: later.at(),
         kind: Kind::Damage,
         text: scenario.aircraft.damaged.map_or("damage".to_owned(), |word| format!("damage: {}", word.0.word())),

@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 use phugoid_control::interval::Estimate;
-use phugoid_control::local::{AXES, SURFACES};
+use phugoid_control::local::AXES;
 use phugoid_control::prediction::Steady;
 use phugoid_flight_dynamics::aircraft::{AirData, Aircraft, Controls};
 use phugoid_flight_dynamics::built_in::AircraftName;
@@ -18,6 +18,7 @@ use phugoid_simulation::scenario::Scenario;
 
 use crate::body::{Body, Instant, rectified, whole};
 use crate::error::RecoveryError;
+use crate::forces::{Condition, FELT, Forces, Rigid, forces};
 use crate::known::{Declared, Increment, estimate, is_local, parts};
 use crate::performance::Polar;
 use crate::scale::Scale;
@@ -35,6 +36,11 @@ pub(crate) struct Learning {
     pub(crate) body: Option<Body>,
     /// What was measured in the last seconds, the newest last.
     flown: VecDeque<Instant>,
+    /// What was felt at the same instants.
+    felt: VecDeque<[f64; FELT.len()]>,
+    /// Mass and thrust of the model file, and the standard deviation that it declares of the constant error of the angle of attack, rad.
+    rigid: Rigid,
+    vane: f64,
     /// Angles of attack that were measured since the last change, rad.
     alphas: Vec<f64>,
 }
@@ -62,6 +68,13 @@ impl Learning {
             session: Session::new(model, &options)?,
             body,
             flown: VecDeque::with_capacity(kept),
+            felt: VecDeque::with_capacity(kept),
+            rigid: Rigid::of(&model.aircraft),
+            vane: model
+                .parameters
+                .iter()
+                .find(|parameter| parameter.name == "bias_alpha")
+                .map_or(Declared::UNSTATED.flow_angle_bias, |bias| bias.prior_std),
             alphas: Vec::new(),
         })
     }
@@ -70,7 +83,11 @@ impl Learning {
     pub(crate) fn note(&mut self, reading: &Reading) {
         if self.flown.len() == self.flown.capacity() {
             self.flown.pop_front();
+            self.felt.pop_front();
         }
+        let felt = FELT.map(|name| reading.channel(name));
+        self.rigid.begin(felt[2]);
+        self.felt.push_back(felt);
         self.flown.push_back(INSTANT.map(|name| reading.channel(name)));
         self.alphas.push(reading.channel("alpha"));
     }
@@ -88,6 +105,17 @@ impl Learning {
     /// The parameters as estimated last, with their standard errors; none before the first estimate.
     pub(crate) fn parameters(&self) -> Vec<Increment> {
         self.session.snapshot().map_or_else(Vec::new, |snapshot| self.named(&snapshot.parameters))
+    }
+
+    /// Whether the model estimates what flying qualities depend on most, in pitch and in roll and yaw: the stability, damping and main
+    /// surface of each axis. Of what it does not estimate it says what was known beforehand, whatever has happened to it.
+    pub(crate) fn told(&self) -> [bool; 2] {
+        const PITCH: &[&str] = &["Cm_alpha", "Cm_q", "Cm_elevator"];
+        const LATERAL: &[&str] = &["Cl_p", "Cl_aileron", "Cn_beta", "Cn_r", "Cn_rudder"];
+        let parameters = &self.session.layout().parameters;
+        let has =
+            |name: &&str| parameters.iter().any(|found| found.name.strip_prefix('d').unwrap_or(&found.name) == *name);
+        [PITCH, LATERAL].map(|names| names.iter().all(|name| has(name)))
     }
 
     fn named(&self, parameters: &[LiveParameter]) -> Vec<Increment> {
@@ -116,6 +144,24 @@ impl Learning {
         settled
     }
 
+    /// Lift and drag of the last `seconds`, as they were felt and as the estimate gives them; none where too little was measured.
+    pub(crate) fn forces(
+        &self,
+        aircraft: &AnyAircraft,
+        trim: &Trim,
+        parameters: &[Increment],
+        covariance: &[Vec<f64>],
+        seconds: f64,
+        sample_rate: f64,
+    ) -> Option<Forces> {
+        let first = self.flown.len().saturating_sub((seconds * sample_rate).round() as usize);
+        let flown: Vec<Instant> = self.flown.range(first..).copied().collect();
+        let felt: Vec<[f64; FELT.len()]> = self.felt.range(first..).copied().collect();
+        let predicted = |at: &Condition| self.polar(aircraft, trim, parameters, at);
+        let density = |altitude: f64| aircraft.atmosphere().at(altitude).density;
+        forces(&self.rigid, &flown, &felt, &predicted, covariance, &density, self.vane)
+    }
+
     /// Covariance of the parameters: their standard errors with the correlations that the method claims.
     pub(crate) fn covariance(&self, parameters: &[Increment]) -> Option<Vec<Vec<f64>>> {
         let correlation = self.session.correlation()?;
@@ -125,37 +171,35 @@ impl Learning {
         Some(correlation.iter().zip(parameters).map(line).collect())
     }
 
-    /// Lift and drag coefficient without sideslip and rates at an angle of attack (rad), airspeed (m/s), altitude (m) and positions of
-    /// the surfaces (rad), by the parameters.
-    pub(crate) fn polar(
-        &self,
-        aircraft: &AnyAircraft,
-        trim: &Trim,
-        parameters: &[Increment],
-        [speed, altitude]: [f64; 2],
-        positions: [f64; SURFACES],
-        alpha: f64,
-    ) -> Polar {
+    /// Lift and drag coefficient at a condition, by the parameters.
+    pub(crate) fn polar(&self, aircraft: &AnyAircraft, trim: &Trim, parameters: &[Increment], at: &Condition) -> Polar {
         if let Some(body) = &self.body {
-            return body.polar(parameters, [speed, alpha], positions);
+            return body.polar(parameters, at);
         }
+        let Condition { flown: [speed, altitude], angles: [alpha, beta], rates, positions } = *at;
         let air = aircraft.atmosphere().at(altitude);
         let [elevator, aileron, rudder] = positions;
         let controls = Controls { elevator, aileron, rudder, ..trim.controls() };
         let data = AirData {
             speed,
             alpha,
-            beta: 0.0,
+            beta,
             density: air.density,
             dynamic_pressure: 0.5 * air.density * speed * speed,
             mach: speed / air.speed_of_sound,
         };
-        let known = aircraft.coefficients(&data, [0.0; 3], &controls);
+        let known = aircraft.coefficients(&data, rates, &controls);
         let (sine, cosine) = alpha.sin_cos();
         let mut value = [known.cx * sine - known.cz * cosine, -known.cx * cosine - known.cz * sine];
+        let [span_time, chord_time] =
+            [aircraft.geometry().span, aircraft.geometry().mean_chord].map(|length| length / (2.0 * speed));
         let by_parameter = parameters.iter().map(|increment| {
             let factor = match parts(&increment.name) {
                 Some(("CL" | "CD", "0")) => 1.0,
+                Some(("CL" | "CD", "beta")) => beta,
+                Some(("CL" | "CD", "p")) => rates[0] * span_time,
+                Some(("CL" | "CD", "q")) => rates[1] * chord_time,
+                Some(("CL" | "CD", "r")) => rates[2] * span_time,
                 Some(("CL" | "CD", "alpha")) => alpha - trim.alpha_rad,
                 Some(("CL" | "CD", "elevator")) => elevator - trim.elevator_rad,
                 Some(("CL" | "CD", "aileron")) => aileron,

@@ -7,6 +7,7 @@ pub mod controller;
 pub mod draw;
 mod error;
 pub mod flight;
+pub mod forces;
 mod history;
 pub mod known;
 mod learning;

@@ -2,13 +2,16 @@
 
 use std::sync::Arc;
 
+use phugoid_control::local::{MAIN_AXIS, SURFACES};
 use phugoid_control::lost::{Lost, Name};
+use phugoid_control::margin::Margin;
+use phugoid_control::qualities::Level;
 use phugoid_evaluation::chart::{Axis, Chart, Content, Curve, Level as Line, Meaning, Panel, Shape};
 use phugoid_evaluation::table::{Cell, Column, Table};
 
-use crate::controller::NAMES;
+use crate::controller::{AXIS_NAMES, NAMES};
 use crate::flight::{Kind, RecoveryFlight};
-use crate::outcome::Left;
+use crate::outcome::{Left, Outcome};
 use crate::performance::{Performance, Quantity};
 
 /// A section of the page.
@@ -160,11 +163,106 @@ fn surfaces(flight: &RecoveryFlight) -> Section {
 pub const UNEXPLAINED: &str = "The estimate does not explain how the aircraft moved in the last seconds: use neither it nor what \
                                follows from it, below.";
 
+/// A level in words.
+pub const fn level_word(level: Level) -> &'static str {
+    match level {
+        Level::One => "level 1",
+        Level::Two => "level 2",
+        Level::Three => "level 3",
+        Level::Worse => "worse than level 3",
+    }
+}
+
+/// "not controllable in pitch and yaw", or none where the surfaces still move the aircraft about all axes.
+fn uncontrolled_words(controlled: &[bool; SURFACES]) -> Option<String> {
+    let axes: Vec<&str> = (0..SURFACES).filter(|j| !controlled[*j]).map(|j| AXIS_NAMES[MAIN_AXIS[j]]).collect();
+    let (last, others) = axes.split_last()?;
+    let named = if others.is_empty() { (*last).to_owned() } else { format!("{} and {last}", others.join(", ")) };
+    Some(format!("not controllable in {named}"))
+}
+
+/// The level of flying qualities that an estimate gives, with the worst within its bounds and what it does not tell: "level 1 (2 within the
+/// bounds)".
+pub fn level_words(left: &Left) -> String {
+    let untold = match left.told {
+        [true, true] => None,
+        [false, true] => Some("in pitch"),
+        [true, false] => Some("in roll and yaw"),
+        [false, false] => Some("on any axis"),
+    };
+    let untold = untold.map(|axes| {
+        format!("nothing is said of them {axes}: the model does not estimate stability, damping and surface there")
+    });
+    let uncontrolled = uncontrolled_words(&left.controlled);
+    let said = match (left.level, left.level_within_bounds, &uncontrolled) {
+        (Some(level), _, Some(why)) => Some(format!("{}: {why}", level_word(level))),
+        (None, _, Some(why)) => Some(why.clone()),
+        (Some(level), Some(worst), None) if worst > level => {
+            let worst = level_word(worst);
+            let worst = worst.strip_prefix("level ").unwrap_or(worst);
+            Some(format!("{} ({worst} within the bounds)", level_word(level)))
+        }
+        (Some(level), ..) => Some(level_word(level).to_owned()),
+        (None, ..) => None,
+    };
+    said.into_iter().chain(untold).collect::<Vec<_>>().join("; ")
+}
+
+/// How a flight ended and with which true flying qualities, in words: "in level flight, flying qualities level 1".
+pub fn ended_words(outcome: &Outcome) -> String {
+    let ended = match (outcome.departed, outcome.level_flight) {
+        (true, _) => "departed from controlled flight",
+        (false, true) => "in level flight",
+        (false, false) => "in the air, not in level flight",
+    };
+    let mut words = ended.to_owned();
+    if outcome.level_flight && !outcome.holds_energy {
+        let (change, more) = (outcome.speed_change_m_s2.abs(), outcome.speed_change_m_s2 > 0.0);
+        let what = if more { "gaining" } else { "losing" };
+        words += &format!(" but {what} {change:.1} m/s of speed each second, which it cannot go on with");
+    }
+    words + ", flying qualities " + &quality_words(outcome)
+}
+
+/// The true flying qualities at the end, in words.
+pub fn quality_words(outcome: &Outcome) -> String {
+    match uncontrolled_words(&outcome.controlled).filter(|_| !outcome.departed) {
+        Some(why) => format!("{why}, its motion {}", level_word(outcome.level)),
+        None => level_word(outcome.level).to_owned(),
+    }
+}
+
+/// Which of the measured forces the estimate does not explain, in a sentence; none where it explains both or nothing was measured.
+pub fn forces_words(performance: &Performance) -> Option<String> {
+    let forces = performance.forces.as_ref()?;
+    let one = |name: &str, force: &crate::forces::Force| {
+        (!force.explained)
+            .then(|| format!("{name} (coefficient {:.4} measured, {:.4} estimated)", force.measured, force.predicted))
+    };
+    let named: Vec<String> = one("lift", &forces.lift).into_iter().chain(one("drag", &forces.drag)).collect();
+    (!named.is_empty()).then(|| {
+        format!(
+            "The estimate does not explain the measured {}: the aircraft has changed otherwise than the estimate, or its mass is not that of \
+             the model file.",
+            named.join(" and ")
+        )
+    })
+}
+
+/// What is said of a surface in place of a margin; none where it has one.
+pub fn no_margin(margin: &Margin) -> Option<&'static str> {
+    match (margin.is_used, margin.has_effect) {
+        (false, _) => Some("lost"),
+        (true, false) => Some("no effect"),
+        (true, true) => None,
+    }
+}
+
 /// What the changes of the derivatives look like, in a sentence.
 pub fn lost_words(name: &Name) -> String {
     let percent = (100.0 * name.fraction).round();
     match (name.has_changed, name.lost, name.or) {
-        (false, ..) => "No derivative has changed by more than its bound.".to_owned(),
+        (false, ..) => "No derivative that the model estimates has changed by more than its bound.".to_owned(),
         (true, None, _) => {
             "The derivatives have changed as by none of these: the loss of elevator, horizontal tail, rudder, vertical tail, ailerons \
              or a part of a wing, or another centre of gravity."
@@ -189,7 +287,7 @@ pub fn condition_words(left: &Left) -> String {
     let [alpha, beta] = left.flow_angles.map(f64::to_degrees);
     format!(
         "What straight flight takes of each surface at the angle of attack ({alpha:.1} deg) and sideslip ({beta:.1} deg) of the last seconds, \
-         and the way from there to the nearer limit as a part of half the range."
+         and the way from there to the nearer limit as a part of half the range, times the part of its effect that the surface still has."
     )
 }
 
@@ -246,14 +344,14 @@ fn performance_table(performance: &Performance) -> Table {
 fn left(flight: &RecoveryFlight) -> Option<Section> {
     let left = flight.left.as_ref()?;
     let rows = NAMES.iter().zip(&left.margins).zip(&flight.truly_left.margins).map(|((name, margin), truth)| {
-        let used = |value: f64| if margin.is_used { Cell::from(value) } else { Cell::from("lost") };
+        let used = |value: f64| no_margin(margin).map_or(Cell::from(value), Cell::from);
         vec![
             Cell::from(*name),
             Cell::from(margin.trim * DEGREES),
             Cell::from(2.0 * margin.std_error * DEGREES),
             used(100.0 * margin.left),
             used(100.0 * margin.at_least),
-            used(100.0 * truth.left),
+            no_margin(truth).map_or(Cell::from(100.0 * truth.left), Cell::from),
         ]
     });
     let margins = Table {
@@ -275,8 +373,9 @@ fn left(flight: &RecoveryFlight) -> Option<Section> {
         paragraphs: (flight.explained == Some(false))
             .then(|| UNEXPLAINED.to_owned())
             .into_iter()
+            .chain(flight.performance.as_ref().and_then(forces_words))
             .chain(flight.lost.as_ref().map(lost_words))
-            .chain([condition_words(left)])
+            .chain([format!("Flying qualities: {}.", level_words(left)), condition_words(left)])
             .chain(unknown)
             .collect(),
         tables: std::iter::once(margins).chain(flight.performance.as_ref().map(performance_table)).collect(),

@@ -1,5 +1,9 @@
-//! What the aircraft can still do, from the estimated lift and drag: how far it glides, how slow it is known to fly, and with which
-//! speed it can be landed. Nothing is said of angles of attack that were not flown since the last change.
+//! What the aircraft can still do: how far it glides, how slow it is known to fly, and with which speed it can be landed. Lift and drag at
+//! the present angle of attack are those that the accelerometers measured in the last seconds ([`forces`](crate::forces)); the estimate says
+//! how they change from there. Nothing is said of angles of attack that were not flown since the last change.
+//!
+//! Where the estimate does not explain the measured lift or drag, its slopes are not used: what follows from them is refused, and the
+//! bounds of what is measured hold the difference, because what made it (a mass, say) may not be in what was measured either.
 //!
 //! | quantity | equation | source |
 //! |---|---|---|
@@ -11,11 +15,12 @@
 
 use phugoid_control::gains::Gains;
 use phugoid_control::interval::Estimate;
-use phugoid_control::local::{ALPHA, AXES, SURFACES};
+use phugoid_control::local::{ALPHA, AXES, MAIN_AXIS, SURFACES};
 use phugoid_control::margin::Margin;
 use serde::Serialize;
 
-use crate::controller::NAMES;
+use crate::controller::{AXIS_NAMES, NAMES};
+use crate::forces::{Force, Forces, SIGMAS};
 
 /// Part of the samples at either end of what was flown that do not count: noise of the vane.
 const TAIL: f64 = 0.01;
@@ -23,10 +28,8 @@ const TAIL: f64 = 0.01;
 const FEWEST: usize = 100;
 /// Angles of attack between the smallest and the largest.
 const STEPS: usize = 40;
-/// One standard deviation of the constant error of an accelerometer, g, which nothing tells from a force: that of the built-in model files.
-const ACCELEROMETER: f64 = 0.005;
-/// The same of the thrust, a part: that of the class `unstated` (docs/model-file.md). Without acceleration thrust is the drag.
-const THRUST: f64 = 0.05;
+/// Standard errors that a lift or drag has to be from zero for a ratio of them to have a standard error.
+const RATIO_SIGMAS: f64 = 3.0;
 /// Reference landing speed over the stall speed.
 const APPROACH: f64 = 1.3;
 
@@ -59,7 +62,9 @@ pub struct Performance {
     pub alpha: f64,
     /// Smallest and largest angle of attack that were flown since the last change of the aircraft, rad.
     pub alpha_flown: [f64; 2],
-    /// Lift coefficient at the present angle of attack.
+    /// Lift and drag as they were measured, and what the estimate gives for them; none where they were not measured.
+    pub forces: Option<Forces>,
+    /// Lift coefficient at the present angle of attack, with the mass of the model file.
     pub lift: Quantity,
     /// Drag coefficient there.
     pub drag: Quantity,
@@ -88,7 +93,7 @@ pub(crate) struct Polar {
 
 impl Polar {
     /// Variance of `weights` times lift and drag less `other_weights` times those of another point.
-    fn variance(&self, weights: [f64; 2], other: Option<(&Self, [f64; 2])>, covariance: &[Vec<f64>]) -> f64 {
+    pub(crate) fn variance(&self, weights: [f64; 2], other: Option<(&Self, [f64; 2])>, covariance: &[Vec<f64>]) -> f64 {
         let row = |k: usize| {
             let of = |polar: &Self, w: [f64; 2]| polar.by_parameter.get(k).map_or(0.0, |g| w[0] * g[0] + w[1] * g[1]);
             of(self, weights) - other.map_or(0.0, |(polar, w)| of(polar, w))
@@ -108,6 +113,13 @@ pub(crate) struct Flown<'a> {
     /// True airspeed, m/s, and altitude, m.
     pub(crate) speed: f64,
     pub(crate) altitude: f64,
+    /// Lift and drag of the last seconds; none where they were not measured.
+    pub(crate) forces: Option<&'a Forces>,
+    /// Lift coefficient that the aircraft had at the present angle of attack before it was damaged; none where nothing is known of before.
+    pub(crate) lift_before: Option<f64>,
+    /// Whether the aircraft has departed from controlled flight, and whether the estimate explains how it turned.
+    pub(crate) departed: bool,
+    pub(crate) motion_explained: bool,
     /// Covariance of the parameters.
     pub(crate) covariance: &'a [Vec<f64>],
     /// The local model (at full size: only angles come out of it), its own gains, the margins, the positions before the damage and the
@@ -128,12 +140,31 @@ pub(crate) fn performance(flown: &Flown<'_>, polar: &dyn Fn(f64) -> Polar) -> Op
     sorted.sort_by(f64::total_cmp);
     let at = |part: f64| sorted[((sorted.len() - 1) as f64 * part).round() as usize];
     let [least, most] = [at(TAIL).min(flown.alpha), at(1.0 - TAIL).max(flown.alpha)];
-    let (now, reached) = (polar(flown.alpha), polar(most));
-    let [lift, drag] = now.value;
-    let [lift_bias, drag_bias] = declared(&now);
-    let error = |weights: [f64; 2], bias: f64| now.variance(weights, None, flown.covariance).sqrt().hypot(bias);
+    let nothing = |why: &str| {
+        let unknown = || Quantity::unknown(why);
+        Performance {
+            alpha: flown.alpha,
+            alpha_flown: [least, most],
+            forces: flown.forces.copied(),
+            lift: unknown(),
+            drag: unknown(),
+            glide_ratio: unknown(),
+            glide_range_m: unknown(),
+            best_glide_ratio: unknown(),
+            slowest_known_m_s: unknown(),
+            load_factor_known: unknown(),
+            control_speed_m_s: unknown(),
+            approach_m_s: unknown(),
+        }
+    };
+    if flown.departed {
+        return Some(nothing(DEPARTED));
+    }
+    let Some(forces) = flown.forces else { return Some(nothing(UNMEASURED)) };
+    let here = Here::new(forces, flown.lift_before, polar(flown.alpha), flown.covariance);
     let degrees = |alpha: f64| format!("{:.1} deg", alpha.to_degrees());
-    let glide_ratio = ratio(&now, flown.covariance, format!("at the present {}", degrees(flown.alpha)));
+    let [lift, drag] = here.coefficients();
+    let glide_ratio = here.ratio(None, format!("at the present {}", degrees(flown.alpha)));
     let glide_range_m = match (glide_ratio.value, glide_ratio.std_error) {
         (Some(value), Some(std_error)) => Quantity::known(
             flown.altitude * value,
@@ -142,18 +173,10 @@ pub(crate) fn performance(flown: &Flown<'_>, polar: &dyn Fn(f64) -> Polar) -> Op
         ),
         _ => Quantity::unknown(glide_ratio.note.clone()),
     };
-    let best_glide_ratio = best(polar, [least, most], flown.covariance);
-    let slowest = slowest(flown, &now, &reached, most);
-    let load_factor_known = match lift > 0.0 && reached.value[0] > 0.0 {
-        true => {
-            let value = reached.value[0] / lift;
-            let variance = reached.variance([1.0 / lift, 0.0], Some((&now, [value / lift, 0.0])), flown.covariance);
-            let note = format!("at least: not known beyond the {} that were flown", degrees(most));
-            Quantity::known(value, variance.sqrt(), note)
-        }
-        false => Quantity::unknown("the estimated lift does not carry the aircraft"),
-    };
-    let control_speed_m_s = control_speed(flown, polar, &slowest, most);
+    let best_glide_ratio = best(polar, [least, most], &here);
+    let load_factor_known = here.load_factor(&polar(most), most);
+    let slowest = slowest(flown.speed, &load_factor_known, most);
+    let control_speed_m_s = control_speed(flown, polar, &here, &slowest, most);
     let approach_m_s = match (slowest.value, slowest.std_error, control_speed_m_s.value) {
         (Some(value), Some(std_error), Some(control)) => {
             let (speed, held) = (APPROACH * value, APPROACH * control.max(value));
@@ -164,17 +187,12 @@ pub(crate) fn performance(flown: &Flown<'_>, polar: &dyn Fn(f64) -> Polar) -> Op
             };
             Quantity::known(held, APPROACH * std_error, note)
         }
-        _ => Quantity::unknown(if slowest.value.is_none() {
-            slowest.note.clone()
-        } else {
-            control_speed_m_s.note.clone()
-        }),
+        // Where the slowest speed is not known either, this says why, unless an axis is not controlled at all.
+        _ => Quantity::unknown(format!("no approach speed: {}", control_speed_m_s.note)),
     };
     Some(Performance {
-        alpha: flown.alpha,
-        alpha_flown: [least, most],
-        lift: Quantity::known(lift, error([1.0, 0.0], lift_bias), "at the present angle of attack"),
-        drag: Quantity::known(drag, error([0.0, 1.0], drag_bias), "at the present angle of attack"),
+        lift,
+        drag,
         glide_ratio,
         glide_range_m,
         best_glide_ratio,
@@ -182,36 +200,136 @@ pub(crate) fn performance(flown: &Flown<'_>, polar: &dyn Fn(f64) -> Polar) -> Op
         load_factor_known,
         control_speed_m_s,
         approach_m_s,
+        ..nothing("")
     })
 }
 
-/// One standard deviation of lift and drag coefficient from what leaves no trace in residuals. In level flight the lift is the weight.
-fn declared(polar: &Polar) -> [f64; 2] {
-    let [lift, drag] = polar.value;
-    [ACCELEROMETER * lift, (ACCELEROMETER * lift).hypot(THRUST * drag)]
+/// Why nothing is said of an aircraft that is not flown any more.
+const DEPARTED: &str = "the aircraft has departed from controlled flight";
+/// Why nothing is said without accelerometers, or with a mass that is not known.
+const UNMEASURED: &str = "lift and drag of the last seconds were not measured";
+/// Why nothing is said that follows from how the estimate turns.
+const UNTURNED: &str = "the estimate does not explain how the aircraft moved";
+/// Why nothing is said that follows from slopes of lift and drag.
+const UNEXPLAINED: [&str; 2] =
+    ["the measured lift is not explained by the estimate", "the measured drag is not explained by the estimate"];
+
+/// Lift and drag of the last seconds, and how the estimate changes from there.
+struct Here<'a> {
+    forces: [&'a Force; 2],
+    now: Polar,
+    covariance: &'a [Vec<f64>],
+    /// One standard error of lift and drag coefficient: what is measured, what the estimate's own bound says of scales and mass that the
+    /// model file declares, what the estimate does not explain, and what a changed mass would make of the lift.
+    std_error: [f64; 2],
+    /// Whether the lift is another one than before at this angle of attack: or the mass is.
+    has_changed: bool,
 }
 
-/// Lift over drag with its standard error.
-fn ratio(polar: &Polar, covariance: &[Vec<f64>], note: String) -> Quantity {
-    let [lift, drag] = polar.value;
-    let [lift_bias, drag_bias] = declared(polar);
-    let drag_error = polar.variance([0.0, 1.0], None, covariance).sqrt().hypot(drag_bias);
-    // Beyond that a ratio has no standard error.
-    if !(lift > 0.0 && drag > 3.0 * drag_error) {
-        return Quantity::unknown(format!(
-            "the drag is not known: its coefficient is {drag:.4} +- {:.4}",
-            2.0 * drag_error
-        ));
+impl<'a> Here<'a> {
+    fn new(forces: &'a Forces, lift_before: Option<f64>, now: Polar, covariance: &'a [Vec<f64>]) -> Self {
+        // Accelerometers do not tell a lift that has changed from a mass that has: then the lift is what it was before at this angle of attack.
+        let lift = forces.lift;
+        let changed = lift_before.map_or(0.0, |before| (lift.measured - before).abs());
+        let changed = if changed > SIGMAS * lift.difference_error { changed } else { 0.0 };
+        let forces = [&forces.lift, &forces.drag];
+        let std_error = std::array::from_fn(|k| {
+            let weights = if k == 0 { [1.0, 0.0] } else { [0.0, 1.0] };
+            let estimate = now.variance(weights, None, covariance).sqrt();
+            let changed = if k == 0 { changed } else { 0.0 };
+            forces[k].std_error.hypot(estimate).hypot(forces[k].disagreement().abs().max(changed))
+        });
+        Self { forces, now, covariance, std_error, has_changed: changed > 0.0 }
     }
-    let value = lift / drag;
-    let std_error = polar.variance([1.0 / drag, -value / drag], None, covariance).sqrt();
-    Quantity::known(value, std_error.hypot((lift_bias / drag).hypot(value * drag_bias / drag)), note)
+
+    /// Lift and drag coefficient.
+    fn coefficients(&self) -> [Quantity; 2] {
+        std::array::from_fn(|k| {
+            let (force, std_error) = (self.forces[k], self.std_error[k]);
+            if force.explained && self.has_changed && k == 0 {
+                let note = "as measured, with the mass of the model file; the bound holds that the mass has changed, and not the lift";
+                return Quantity::known(force.measured, std_error, note);
+            }
+            if force.explained {
+                let note = "as measured at the present angle of attack, with the mass of the model file";
+                return Quantity::known(force.measured, std_error, note);
+            }
+            if force.measured.abs() <= RATIO_SIGMAS * std_error {
+                return Quantity::unknown(UNEXPLAINED[k]);
+            }
+            let note = format!("as measured; {}, and the bound holds the difference", UNEXPLAINED[k]);
+            Quantity::known(force.measured, std_error, note)
+        })
+    }
+
+    /// The first force that is not explained, in words.
+    fn unexplained(&self) -> Option<&'static str> {
+        (0..2).find(|k| !self.forces[*k].explained).map(|k| UNEXPLAINED[k])
+    }
+
+    /// Lift over drag with its standard error, here or where `other` is.
+    fn ratio(&self, other: Option<&Polar>, note: String) -> Quantity {
+        let mut values = [self.forces[0].measured, self.forces[1].measured];
+        let mut errors = self.std_error;
+        if let Some(other) = other {
+            for k in 0..2 {
+                let weights = if k == 0 { [1.0, 0.0] } else { [0.0, 1.0] };
+                values[k] += other.value[k] - self.now.value[k];
+                errors[k] =
+                    errors[k].hypot(other.variance(weights, Some((&self.now, weights)), self.covariance).sqrt());
+            }
+        }
+        let ([lift, drag], [lift_error, drag_error]) = (values, errors);
+        if !(drag > RATIO_SIGMAS * drag_error) {
+            let bound = 2.0 * drag_error;
+            return Quantity::unknown(match self.forces[1].explained {
+                true => format!("the drag is not known: its coefficient is {drag:.4} +- {bound:.4}"),
+                false => UNEXPLAINED[1].to_owned(),
+            });
+        }
+        if !(lift > RATIO_SIGMAS * lift_error) {
+            let bound = 2.0 * lift_error;
+            return Quantity::unknown(match self.forces[0].explained {
+                true => format!("the lift is not known: its coefficient is {lift:.4} +- {bound:.4}"),
+                false => UNEXPLAINED[0].to_owned(),
+            });
+        }
+        let value = lift / drag;
+        let std_error = (lift_error / drag).hypot(value * drag_error / drag);
+        let note = match self.unexplained() {
+            Some(why) => format!("{note}; {why}, and the bound holds the difference"),
+            None => note,
+        };
+        Quantity::known(value, std_error, note)
+    }
+
+    /// The load factor that the lift at the largest angle of attack that was flown (`most`, rad) gives at the present speed, g.
+    fn load_factor(&self, reached: &Polar, most: f64) -> Quantity {
+        if !self.forces[0].explained {
+            return Quantity::unknown(UNEXPLAINED[0]);
+        }
+        let (lift, more) = (self.forces[0].measured, reached.value[0] - self.now.value[0]);
+        if !(lift > RATIO_SIGMAS * self.std_error[0] && lift + more > 0.0) {
+            return Quantity::unknown("the measured lift does not carry the aircraft");
+        }
+        // n = 1 + (CL_reached - CL)/CL: a slope that is off and a lift that is off.
+        let variance = reached.variance([1.0, 0.0], Some((&self.now, [1.0, 0.0])), self.covariance);
+        let std_error = (variance.sqrt() / lift).hypot(more / lift * self.std_error[0] / lift);
+        let note = format!("at least: not known beyond the {:.1} deg that were flown", most.to_degrees());
+        Quantity::known(1.0 + more / lift, std_error, note)
+    }
 }
 
 /// The largest ratio of lift to drag between two angles of attack.
-fn best(polar: &dyn Fn(f64) -> Polar, [least, most]: [f64; 2], covariance: &[Vec<f64>]) -> Quantity {
+fn best(polar: &dyn Fn(f64) -> Polar, [least, most]: [f64; 2], here: &Here<'_>) -> Quantity {
+    if let Some(why) = here.unexplained() {
+        return Quantity::unknown(why);
+    }
     let at = |k: usize| least + (most - least) * k as f64 / STEPS as f64;
-    let of = |k: usize| polar(at(k)).value;
+    let of = |k: usize| {
+        let value = polar(at(k)).value;
+        [0, 1].map(|i| here.forces[i].measured + value[i] - here.now.value[i])
+    };
     let ratio_of = |k: usize| Some(of(k)).filter(|[lift, drag]| *lift > 0.0 && *drag > 0.0).map_or(0.0, |[l, d]| l / d);
     let place = (0..=STEPS).max_by(|a, b| ratio_of(*a).total_cmp(&ratio_of(*b))).unwrap_or(0);
     let degrees = at(place).to_degrees();
@@ -220,40 +338,59 @@ fn best(polar: &dyn Fn(f64) -> Polar, [least, most]: [f64; 2], covariance: &[Vec
         STEPS => ", the largest that was flown: larger ones may be better",
         _ => "",
     };
-    ratio(&polar(at(place)), covariance, format!("at {degrees:.1} deg{edge}"))
+    here.ratio(Some(&polar(at(place))), format!("at {degrees:.1} deg{edge}"))
 }
 
-/// The slowest speed that the lift at the largest angle of attack that was flown is known to carry.
-fn slowest(flown: &Flown<'_>, now: &Polar, reached: &Polar, most: f64) -> Quantity {
-    let (lift, there) = (now.value[0], reached.value[0]);
-    if !(lift > 0.0 && there > 0.0) {
-        return Quantity::unknown("the estimated lift does not carry the aircraft");
-    }
-    let value = flown.speed * (lift / there).sqrt();
-    // V = V0 sqrt(CL/CL_r): dV/V = (dCL/CL - dCL_r/CL_r)/2.
-    let variance = now.variance([0.5 / lift, 0.0], Some((reached, [0.5 / there, 0.0])), flown.covariance);
+/// The slowest speed that the lift at the largest angle of attack that was flown is known to carry: `V = V0/sqrt(n)`.
+fn slowest(speed: f64, load_factor: &Quantity, most: f64) -> Quantity {
+    let (Some(n), Some(error)) = (load_factor.value, load_factor.std_error) else {
+        return Quantity::unknown(load_factor.note.clone());
+    };
+    let value = speed / n.sqrt();
     let note = format!(
         "the stall is at this speed or below it: not known beyond the {:.1} deg that were flown",
         most.to_degrees()
     );
-    Quantity::known(value, value * variance.sqrt(), note)
+    Quantity::known(value, 0.5 * value * error / n, note)
+}
+
+/// Which axis has no surface that moves the aircraft about it any more, in words; none where all have.
+fn uncontrolled(margins: &[Margin; SURFACES]) -> Option<String> {
+    // Pitch first: without it nothing else matters.
+    let lost = margins.iter().enumerate().find(|(_, margin)| !(margin.is_used && margin.has_effect));
+    lost.map(|(j, margin)| {
+        let why = if margin.is_used { "has no effect within its bound" } else { "is lost" };
+        format!("not controllable in {}, because the {} {why}", AXIS_NAMES[MAIN_AXIS[j]], NAMES[j])
+    })
 }
 
 /// The lowest speed between now and the slowest known one at which no surface is beyond its limit by two standard errors, whether what the
 /// surfaces make up for grows with the dynamic pressure (a wing that is damaged) or not (thrust).
-fn control_speed(flown: &Flown<'_>, polar: &dyn Fn(f64) -> Polar, slowest: &Quantity, most: f64) -> Quantity {
+fn control_speed(
+    flown: &Flown<'_>,
+    polar: &dyn Fn(f64) -> Polar,
+    here: &Here<'_>,
+    slowest: &Quantity,
+    most: f64,
+) -> Quantity {
+    if let Some(why) = uncontrolled(flown.margins) {
+        return Quantity::unknown(why);
+    }
+    if !flown.motion_explained {
+        return Quantity::unknown(UNTURNED);
+    }
     let Some(least_speed) = slowest.value else { return Quantity::unknown(slowest.note.clone()) };
-    let lift = polar(flown.alpha).value[0];
+    let lift = here.forces[0].measured;
     let (model, error) = (&flown.estimate.model, &flown.estimate.std_error);
     let mut last = flown.speed;
     for k in 0..=STEPS {
         let alpha = flown.alpha + (most - flown.alpha) * k as f64 / STEPS as f64;
-        let there = polar(alpha).value[0];
+        let there = lift + polar(alpha).value[0] - here.now.value[0];
         if there <= 0.0 {
             continue;
         }
         let square = lift / there;
-        for (j, margin) in flown.margins.iter().enumerate().filter(|(_, margin)| margin.is_used) {
+        for (j, margin) in flown.margins.iter().enumerate() {
             // With the angle of attack another pitching, rolling and yawing moment has to be held.
             let by_alpha =
                 |of: &dyn Fn(usize) -> f64| (0..AXES).map(|i| flown.gains.inverse[j][i] * of(i)).sum::<f64>();
@@ -295,10 +432,35 @@ mod tests {
     }
 
     fn found(alphas: &[f64], covariance: &[Vec<f64>], trim: f64) -> Option<Performance> {
+        let margin = Margin { trim, std_error: 0.01, is_used: true, has_effect: true, ..Margin::default() };
+        found_with(alphas, covariance, &forces([0.0, 0.0]), [margin; SURFACES])
+    }
+
+    /// Measured lift and drag of 0.4 and 0.038, with a standard error of 0.002 and of what they are off from the estimate by.
+    fn forces(off: [f64; 2]) -> Forces {
+        let one = |measured: f64, off: f64| Force {
+            measured,
+            std_error: 0.002,
+            predicted: measured - off,
+            difference_error: 0.01,
+            explained: off.abs() <= 0.03,
+        };
+        Forces { lift: one(0.4, off[0]), drag: one(0.038, off[1]) }
+    }
+
+    fn found_with(
+        alphas: &[f64],
+        covariance: &[Vec<f64>],
+        forces: &Forces,
+        margins: [Margin; SURFACES],
+    ) -> Option<Performance> {
         let estimate = Estimate { model: LocalModel::default(), std_error: LocalModel::default() };
         let gains = Gains { free: [true; 3], ..Gains::default() };
-        let margin = Margin { trim, std_error: 0.01, is_used: true, left: 0.0, at_least: 0.0 };
         let flown = Flown {
+            forces: Some(forces),
+            lift_before: Some(0.4),
+            departed: false,
+            motion_explained: true,
             alphas,
             alpha: 0.0,
             speed: 100.0,
@@ -306,7 +468,7 @@ mod tests {
             covariance,
             estimate: &estimate,
             gains: &gains,
-            margins: &[margin; SURFACES],
+            margins: &margins,
             before: [0.0; SURFACES],
             limits: &[[-0.4, 0.4]; SURFACES],
         };
@@ -324,11 +486,10 @@ mod tests {
         // CL 0.4, CD 0.038.
         let ratio = &found.glide_ratio;
         assert!((ratio.value.unwrap() - 0.4 / 0.038).abs() < 1e-9);
-        // d(CL/CD) = 0.01 (1/CD - CL/CD^2 0.04) and 0.002 CL/CD^2.
-        let (by_lift, by_drag): (f64, f64) = (0.01 / 0.038 * (1.0 - 0.4 / 0.038 * 0.04), 0.002 * 0.4 / 0.038 / 0.038);
-        // Accelerometers: 0.002 of either; thrust: 5 % of the drag.
-        let declared = (0.002_f64 / 0.038).hypot(0.4 / 0.038 / 0.038 * 0.002_f64.hypot(0.0019));
-        assert!((ratio.std_error.unwrap() - by_lift.hypot(by_drag).hypot(declared)).abs() < 1e-9, "{ratio:?}");
+        // Lift: 0.002 measured and 0.01 of the estimate; drag: 0.002 and 0.04 times 0.01 with 0.002.
+        let (lift, drag) = (0.002_f64.hypot(0.01), 0.002_f64.hypot(0.0004).hypot(0.002));
+        let expected = (lift / 0.038).hypot(0.4 / 0.038 * drag / 0.038);
+        assert!((ratio.std_error.unwrap() - expected).abs() < 1e-9, "{ratio:?} {expected}");
         assert!((found.glide_range_m.value.unwrap() - 10_526.3).abs() < 0.1);
         // The best is at CL = sqrt(0.03/0.05) = 0.775, beyond what was flown.
         assert!(found.best_glide_ratio.note.contains("largest that was flown"), "{found:?}");
@@ -349,6 +510,46 @@ mod tests {
         assert!((speed - 100.0 * 0.8_f64.sqrt()).abs() < 0.5 && speed >= 100.0 * 0.8_f64.sqrt(), "{speed}");
         assert!(found.control_speed_m_s.note.contains("elevator"), "{found:?}");
         assert!((found.approach_m_s.value.unwrap() - 1.3 * speed).abs() < 1e-9);
+    }
+
+    /// An estimate that gives three quarters of the measured lift: what follows from its slopes is refused, with the reason, and what is
+    /// measured has the difference in its bound.
+    #[test]
+    fn what_a_lift_that_is_not_explained_leaves_is_refused_or_wide() {
+        let margin = Margin { trim: 0.0, std_error: 0.01, is_used: true, has_effect: true, ..Margin::default() };
+        let with = |off: [f64; 2]| found_with(&flown(-0.05, 0.05), &[], &forces(off), [margin; SURFACES]).unwrap();
+        let found = with([0.1, 0.0]);
+        assert!((found.lift.std_error.unwrap() - 0.1_f64.hypot(0.002)).abs() < 1e-12, "{found:?}");
+        assert!(found.glide_ratio.std_error.unwrap() > 0.1 / 0.038, "{found:?}");
+        for quantity in
+            [&found.best_glide_ratio, &found.slowest_known_m_s, &found.load_factor_known, &found.control_speed_m_s]
+        {
+            assert!(quantity.value.is_none() && quantity.note.contains("measured lift is not explained"), "{found:?}");
+        }
+        assert!(found.approach_m_s.value.is_none() && found.drag.value.is_some());
+        // Twice the lift, and a drag that is all another one: no ratio has a bound.
+        let found = with([0.2, 0.0]);
+        assert!(found.lift.value.is_none() && found.glide_range_m.value.is_none(), "{found:?}");
+        let found = with([0.0, 0.035]);
+        assert!(found.drag.value.is_none() && found.glide_ratio.note.contains("measured drag"), "{found:?}");
+        assert!(found.slowest_known_m_s.value.is_some(), "the lift says it: {found:?}");
+    }
+
+    /// Without an elevator, or with a rudder that does nothing, there is no speed at which the surfaces hold the flight.
+    #[test]
+    fn without_a_surface_there_is_no_approach_speed() {
+        let margin = Margin { trim: 0.0, std_error: 0.01, is_used: true, has_effect: true, ..Margin::default() };
+        for (j, words) in [(0, "not controllable in pitch"), (1, "not controllable in roll"), (2, "in yaw")] {
+            for (is_used, has_effect) in [(false, true), (true, false)] {
+                let mut margins = [margin; SURFACES];
+                margins[j] = Margin { is_used, has_effect, ..margin };
+                let found = found_with(&flown(-0.05, 0.05), &[], &forces([0.0; 2]), margins).unwrap();
+                for quantity in [&found.control_speed_m_s, &found.approach_m_s] {
+                    assert!(quantity.value.is_none() && quantity.note.contains(words), "{found:?}");
+                }
+                assert!(found.glide_ratio.value.is_some());
+            }
+        }
     }
 
     #[test]

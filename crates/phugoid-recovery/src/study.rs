@@ -88,7 +88,8 @@ pub struct Short {
     pub latency_s: Option<f64>,
     /// Gains changed before the damage.
     pub early: bool,
-    /// The level that the last estimate gives; none without an estimate or after a departure.
+    /// The level of the motion that the last estimate gives, as [`level`](Self::level) is that of the true motion; none without an estimate
+    /// or after a departure.
     pub estimated_level: Option<Level>,
     /// Differences of the trim positions of the surfaces in use from the true ones, in standard errors.
     pub margin_errors: Vec<f64>,
@@ -135,7 +136,7 @@ pub fn recovery(
                     level: flight.outcome.level,
                     latency_s: after.map(|event| event.time_s - DAMAGE_AT_S),
                     early: gains().any(|event| event.time_s < DAMAGE_AT_S),
-                    estimated_level: flight.left.filter(|_| !flight.outcome.departed).map(|left| left.level),
+                    estimated_level: flight.left.filter(|_| !flight.outcome.departed).and_then(|left| left.motion),
                     margin_errors: margin_errors(&flight),
                 })
             })

@@ -8,7 +8,7 @@ use core::hint::black_box;
 use phugoid_control::excitation::{Excitation, Now, Settings as ExcitationSettings};
 use phugoid_control::following::Follower;
 use phugoid_control::gains::Gains;
-use phugoid_control::interval::{Comparison, Estimate};
+use phugoid_control::interval::{Comparison, Estimate, worst_levels};
 use phugoid_control::law::{Demand, Form, Law, Measured, Settings};
 use phugoid_control::local::LocalModel;
 use phugoid_control::lost::{losses, name};
@@ -44,8 +44,9 @@ fn fly<const P: usize>() {
     }
     let category = black_box(Category::A);
     black_box(qualities(&model.closed_loop(&new.feedback()), model.load_factor_per_alpha(), category).level());
+    black_box(worst_levels(&estimate, &new, category));
     if let Some(steady) = recent.steady(&model) {
-        black_box(margins(&estimate, &new, &steady, &limits, number()));
+        black_box(margins(&estimate, &new, &steady, &limits, number(), black_box(Some(&model))));
     }
     black_box(name(&losses(&estimate, &black_box(estimate), number())));
     black_box(excitation.update(&black_box(Now::default()), number()));
