@@ -3,12 +3,15 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use phugoid_control::qualities::Level;
+use phugoid_control::margin::Margin;
 use phugoid_flight_data::output_file;
 use phugoid_recovery::controller::NAMES;
 use phugoid_recovery::flight::{Event, History, RecoveryError, RecoveryFlight, Settings, fly};
 use phugoid_recovery::outcome::{Left, Outcome};
-use phugoid_recovery::page::{NO_PERFORMANCE, UNEXPLAINED, condition_words, lost_words, page, performance_rows};
+use phugoid_recovery::page::{
+    NO_PERFORMANCE, UNEXPLAINED, condition_words, ended_words, forces_words, level_words, lost_words, no_margin, page,
+    performance_rows,
+};
 use phugoid_recovery::performance::Performance;
 use phugoid_report::study_html;
 use serde::Serialize;
@@ -29,7 +32,8 @@ struct Document<'a> {
     outcome: &'a Outcome,
     /// What the estimate says is left; null for a control without one.
     left: Option<Left>,
-    /// Whether the last estimate explains how the aircraft moved in the last seconds; null for a control without one.
+    /// Whether the last estimate explains how the aircraft turned in the last seconds; null for a control without one. Whether it explains
+    /// lift and drag stands under `performance`, `forces`.
     explained: Option<bool>,
     /// What the aircraft can still do, by the last estimate; null for a control without one, and where too little was flown since the
     /// last change.
@@ -87,11 +91,7 @@ fn html(arguments: &arguments::Fly, flight: &RecoveryFlight) -> phugoid_report::
         tables: section.tables,
         charts: section.charts,
     });
-    let facts = [
-        ("Control", flight.control.word().to_owned()),
-        ("Ended", ended(&flight.outcome).to_owned()),
-        ("Flying qualities", level(flight.outcome.level).to_owned()),
-    ];
+    let facts = [("Control", flight.control.word().to_owned()), ("Ended", ended_words(&flight.outcome))];
     phugoid_report::StudyPage {
         title: flight.scenario.clone(),
         by: "Flown by Phugoid".to_owned(),
@@ -111,23 +111,6 @@ pub(super) fn failure(error: RecoveryError) -> Failure {
     }
 }
 
-fn ended(outcome: &Outcome) -> &'static str {
-    match (outcome.departed, outcome.level_flight) {
-        (true, _) => "departed from controlled flight",
-        (false, true) => "in level flight",
-        (false, false) => "in the air, not in level flight",
-    }
-}
-
-pub(super) fn level(level: Level) -> &'static str {
-    match level {
-        Level::One => "level 1",
-        Level::Two => "level 2",
-        Level::Three => "level 3",
-        Level::Worse => "worse than level 3",
-    }
-}
-
 fn text(flight: &RecoveryFlight, page: &Path) -> String {
     let mut text = format!("{}\nControl: {}\n\n", flight.scenario, flight.control.word());
     for event in &flight.events {
@@ -136,10 +119,9 @@ fn text(flight: &RecoveryFlight, page: &Path) -> String {
     let outcome = &flight.outcome;
     let _ = writeln!(
         text,
-        "\nEnded {}, flying qualities {} (the true aircraft with the last gains, MIL-F-8785C class IV, category B).\n\
+        "\nEnded {} (the true aircraft with the last gains, MIL-F-8785C class IV, category B).\n\
          Load factor {} to {} g, altitude lost {} m.",
-        ended(outcome),
-        level(outcome.level),
+        ended_words(outcome),
         significant(outcome.load_factor[0], 2),
         significant(outcome.load_factor[1], 2),
         significant(outcome.altitude_lost_m, 2)
@@ -147,25 +129,27 @@ fn text(flight: &RecoveryFlight, page: &Path) -> String {
     if flight.explained == Some(false) {
         let _ = writeln!(text, "\n{UNEXPLAINED}");
     }
+    if let Some(words) = flight.performance.as_ref().and_then(forces_words) {
+        let _ = writeln!(text, "\n{words}");
+    }
     if let Some(name) = &flight.lost {
         let _ = writeln!(text, "\n{}", lost_words(name));
     }
     if let Some(left) = &flight.left {
-        let _ = writeln!(text, "\nWhat the estimate says is left: flying qualities {}", level(left.level));
+        let _ = writeln!(text, "\nWhat the estimate says is left: flying qualities {}", level_words(left));
         let degrees = |angle: f64| significant(angle.to_degrees(), 3);
         let mut table = Table::new(&["surface", "takes, deg", "+- 2 sigma", "left", "at least", "true"]);
         for ((name, margin), truth) in NAMES.iter().zip(&left.margins).zip(&flight.truly_left.margins) {
-            let percent = |part: f64| match margin.is_used {
-                true => format!("{} %", significant(100.0 * part, 3)),
-                false => "lost".to_owned(),
+            let percent = |margin: &Margin, part: f64| {
+                no_margin(margin).map_or_else(|| format!("{} %", significant(100.0 * part, 3)), str::to_owned)
             };
             table.row([
                 (*name).to_owned(),
                 degrees(margin.trim),
                 degrees(2.0 * margin.std_error),
-                percent(margin.left),
-                percent(margin.at_least),
-                percent(truth.left),
+                percent(margin, margin.left),
+                percent(margin, margin.at_least),
+                percent(truth, truth.left),
             ]);
         }
         text.push_str(&table.render());
