@@ -28,6 +28,10 @@ const TAIL: f64 = 0.01;
 const FEWEST: usize = 100;
 /// Angles of attack between the smallest and the largest.
 const STEPS: usize = 40;
+/// One standard deviation of the mass and of the scale of the airspeed, parts: those of the class `unstated` (docs/model-file.md), as for the
+/// vane. They leave no trace in what is felt, and a model file that declares none of them is of a simulated flight.
+const MASS: f64 = 0.03;
+const AIRSPEED: f64 = 0.015;
 /// Standard errors that a lift or drag has to be from zero for a ratio of them to have a standard error.
 const RATIO_SIGMAS: f64 = 3.0;
 /// Reference landing speed over the stall speed.
@@ -219,8 +223,7 @@ struct Here<'a> {
     forces: [&'a Force; 2],
     now: Polar,
     covariance: &'a [Vec<f64>],
-    /// One standard error of lift and drag coefficient: what is measured, what the estimate's own bound says of scales and mass that the
-    /// model file declares, what the estimate does not explain, and what a changed mass would make of the lift.
+    /// One standard error of lift and drag coefficient: what is measured, mass and airspeed, what the estimate's own bound says, what the estimate does not explain, and what a changed mass would make of the lift.
     std_error: [f64; 2],
     /// Whether the lift is another one than before at this angle of attack: or the mass is.
     has_changed: bool,
@@ -236,8 +239,10 @@ impl<'a> Here<'a> {
         let std_error = std::array::from_fn(|k| {
             let weights = if k == 0 { [1.0, 0.0] } else { [0.0, 1.0] };
             let estimate = now.variance(weights, None, covariance).sqrt();
-            let changed = if k == 0 { changed } else { 0.0 };
-            forces[k].std_error.hypot(estimate).hypot(forces[k].disagreement().abs().max(changed))
+            let (changed, mass) = if k == 0 { (changed, MASS) } else { (0.0, 0.0) };
+            // The dynamic pressure goes with the square of the airspeed. Drag in steady flight is the thrust, whatever the mass is.
+            let scales = forces[k].measured * mass.hypot(2.0 * AIRSPEED);
+            forces[k].std_error.hypot(estimate).hypot(scales).hypot(forces[k].disagreement().abs().max(changed))
         });
         Self { forces, now, covariance, std_error, has_changed: changed > 0.0 }
     }
@@ -486,8 +491,9 @@ mod tests {
         // CL 0.4, CD 0.038.
         let ratio = &found.glide_ratio;
         assert!((ratio.value.unwrap() - 0.4 / 0.038).abs() < 1e-9);
-        // Lift: 0.002 measured and 0.01 of the estimate; drag: 0.002 and 0.04 times 0.01 with 0.002.
-        let (lift, drag) = (0.002_f64.hypot(0.01), 0.002_f64.hypot(0.0004).hypot(0.002));
+        // Lift: 0.002 measured and 0.01 of the estimate; drag: 0.002 and 0.04 times 0.01 with 0.002. Mass 3 %, dynamic pressure 3 %.
+        let lift = 0.002_f64.hypot(0.01).hypot(0.4 * 0.03_f64.hypot(0.03));
+        let drag = 0.002_f64.hypot(0.0004).hypot(0.002).hypot(0.038 * 0.03);
         let expected = (lift / 0.038).hypot(0.4 / 0.038 * drag / 0.038);
         assert!((ratio.std_error.unwrap() - expected).abs() < 1e-9, "{ratio:?} {expected}");
         assert!((found.glide_range_m.value.unwrap() - 10_526.3).abs() < 0.1);
@@ -519,7 +525,10 @@ mod tests {
         let margin = Margin { trim: 0.0, std_error: 0.01, is_used: true, has_effect: true, ..Margin::default() };
         let with = |off: [f64; 2]| found_with(&flown(-0.05, 0.05), &[], &forces(off), [margin; SURFACES]).unwrap();
         let found = with([0.1, 0.0]);
-        assert!((found.lift.std_error.unwrap() - 0.1_f64.hypot(0.002)).abs() < 1e-12, "{found:?}");
+        assert!(
+            (found.lift.std_error.unwrap() - 0.1_f64.hypot(0.002).hypot(0.4 * 0.03_f64.hypot(0.03))).abs() < 1e-12,
+            "{found:?}"
+        );
         assert!(found.glide_ratio.std_error.unwrap() > 0.1 / 0.038, "{found:?}");
         for quantity in
             [&found.best_glide_ratio, &found.slowest_known_m_s, &found.load_factor_known, &found.control_speed_m_s]
