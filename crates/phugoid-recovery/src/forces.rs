@@ -34,6 +34,10 @@ const STEP: f64 = 0.01;
 
 /// What is felt at an instant: acceleration along body x and z, m/s^2, thrust, N, and altitude, m.
 pub(crate) const FELT: [&str; 4] = ["ax", "az", "thrust", "altitude"];
+/// The values of [`FELT`].
+pub(crate) type Felt = [f64; FELT.len()];
+/// An instant with what was felt at it.
+type Row<'a> = (&'a Instant, &'a Felt);
 
 /// What the accelerometers measure and what the estimate gives for it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -133,7 +137,7 @@ impl Rigid {
     }
 
     /// Lift and drag coefficient that were felt at an instant, at an air density in kg/m^3; NaN where something was not measured.
-    fn coefficients(&self, instant: &Instant, felt: &[f64; FELT.len()], density: f64) -> [f64; 2] {
+    fn coefficients(&self, instant: &Instant, felt: &Felt, density: f64) -> [f64; 2] {
         let [ax, az, thrust, _] = *felt;
         let thrust = match self.thrust {
             Pull::Constant(thrust) => thrust,
@@ -153,13 +157,13 @@ impl Rigid {
 pub(crate) fn forces(
     rigid: &Rigid,
     flown: &[Instant],
-    felt: &[[f64; FELT.len()]],
+    felt: &[Felt],
     predicted: &dyn Fn(&Condition) -> Polar,
     covariance: &[Vec<f64>],
     density: &dyn Fn(f64) -> f64,
     vane: f64,
 ) -> Option<Forces> {
-    let rows: Vec<(&Instant, &[f64; FELT.len()])> = flown
+    let rows: Vec<Row<'_>> = flown
         .iter()
         .zip(felt)
         .filter(|(instant, felt)| instant.iter().all(|value| value.is_finite()) && felt[3].is_finite())
@@ -168,9 +172,9 @@ pub(crate) fn forces(
     if of_block == 0 {
         return None;
     }
-    let mean = |rows: &[(&Instant, &[f64; FELT.len()])]| {
+    let mean = |rows: &[Row<'_>]| {
         let count = rows.len() as f64;
-        let of = |pick: &dyn Fn(&(&Instant, &[f64; FELT.len()])) -> f64| rows.iter().map(pick).sum::<f64>() / count;
+        let of = |pick: &dyn Fn(&Row<'_>) -> f64| rows.iter().map(pick).sum::<f64>() / count;
         let at = |j: usize| of(&|row| row.0[j]);
         let condition = Condition {
             flown: [at(5), of(&|row| row.1[3])],

@@ -115,7 +115,7 @@ impl Learning {
         let parameters = &self.session.layout().parameters;
         let has =
             |name: &&str| parameters.iter().any(|found| found.name.strip_prefix('d').unwrap_or(&found.name) == *name);
-        [PITCH, LATERAL].map(|names| names.iter().all(|name| has(name)))
+        [PITCH, LATERAL].map(|names| names.iter().all(&has))
     }
 
     fn named(&self, parameters: &[LiveParameter]) -> Vec<Increment> {

@@ -285,14 +285,16 @@ impl<'a> Here<'a> {
             }
         }
         let ([lift, drag], [lift_error, drag_error]) = (values, errors);
-        if !(drag > RATIO_SIGMAS * drag_error) {
+        // What is no number is not known either.
+        let is_known = |value: f64, error: f64| value > RATIO_SIGMAS * error;
+        if !is_known(drag, drag_error) {
             let bound = 2.0 * drag_error;
             return Quantity::unknown(match self.forces[1].explained {
                 true => format!("the drag is not known: its coefficient is {drag:.4} +- {bound:.4}"),
                 false => UNEXPLAINED[1].to_owned(),
             });
         }
-        if !(lift > RATIO_SIGMAS * lift_error) {
+        if !is_known(lift, lift_error) {
             let bound = 2.0 * lift_error;
             return Quantity::unknown(match self.forces[0].explained {
                 true => format!("the lift is not known: its coefficient is {lift:.4} +- {bound:.4}"),
