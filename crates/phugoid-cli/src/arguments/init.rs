@@ -18,7 +18,7 @@ use super::reading::{Reading, flight};
 #[command(after_help = examples_and_exit_codes(
     "  phugoid init flight.csv --out mine.toml          asks for mass, wing and what else is not known
   phugoid init flight.csv --class drone --mass 2.1kg --wing-area 0.45m^2 --wing-span 1.8m > my.toml
-  phugoid init flight.ulg --class drone --elevator-travel -20deg   a log with the commands of the servos
+  phugoid init log.ulg --class drone --elevator-travel -20deg   a log with commands of servos
   phugoid init flight.csv --class transport --mass 7472kg --iyy 91388kg*m^2 \\
                --wing-area 30.1m^2 --wing-span 14.5m --mean-chord 2.43m --out jet.toml
   phugoid estimate flight.csv --model mine.toml    what comes next"
