@@ -156,7 +156,7 @@ fn the_travel_of_a_surface_is_asked_for_where_only_its_command_is_recorded() {
     let run = phugoid(&folder.0, &[&DRONE[..], &["--elevator-travel", "-20deg", "--out", "mine.toml"]].concat());
     assert_eq!(run.code, Some(0), "{}", run.err);
     let text = folder.read("mine.toml");
-    assert!(text.contains("elevator = { header = \"elevator_command\", scale = -20.0, unit = \"deg\" }"), "{text}");
+    assert!(text.contains("elevator = { header = \"elevator_command\", scale = -20, unit = \"deg\" }"), "{text}");
     // The estimation finds the elevator by it.
     let run = phugoid(&folder.0, &["estimate", "flight.csv", "--model", "mine.toml", "--no-report"]);
     assert!(!run.err.contains("is missing") && !run.err.contains("mapping"), "{}", run.err);

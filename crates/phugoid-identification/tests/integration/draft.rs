@@ -206,7 +206,7 @@ fn a_command_becomes_the_surface_by_its_travel() {
     assert!(check(&flight, &drone()).is_ok());
     let answers = Answers { elevator_travel_rad: Some((-20.0_f64).to_radians()), ..drone() };
     let drafted = draft(&flight, &answers).unwrap();
-    let line = "elevator = { header = \"elevator_command\", scale = -20.0, unit = \"deg\" }";
+    let line = "elevator = { header = \"elevator_command\", scale = -20, unit = \"deg\" }";
     assert!(drafted.text.contains(line) && drafted.text.contains("not positions"), "{}", drafted.text);
     assert!(drafted.assumed.iter().any(|line| line.contains("its command times -20 deg")), "{:?}", drafted.assumed);
     let model = ModelFile::parse("drone.toml", &drafted.text).unwrap();
