@@ -485,7 +485,7 @@ fn no_time(head: &Head<'_>) -> TableError {
     TableError::NoTime {
         source_name: head.source.to_owned(),
         line: head.line,
-        headers: list(head.headers),
+        headers: if head.headers.is_empty() { "no column at all".to_owned() } else { list(head.headers) },
         nearest: nearest.unwrap_or_default(),
     }
 }

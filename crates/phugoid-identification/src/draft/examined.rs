@@ -5,7 +5,7 @@ use phugoid_flight_data::record::{Quantity, Record};
 
 use super::command::SURFACES;
 use super::contents::{Contents, Density};
-use super::text::{Aircraft, GRAVITY};
+use super::text::{Aircraft, GRAVITY, rounded};
 use super::{Answers, DraftError, DraftedAxes};
 use crate::core::error::EstimateError;
 use crate::judge::physics::aircraft::{ASPECT_RATIO, CHORD, FLAT};
@@ -104,7 +104,11 @@ pub(super) fn of_record(record: &Record, model: &ModelFile) -> Result<Vec<Doubt>
 
 /// A sentence for each channel that the model uses and of which no unit is written.
 pub(super) fn assumed_units(contents: &Contents<'_>, record: &Record, model: &ModelFile) -> Vec<String> {
-    let used = model.channels_used();
+    let mut used = model.channels_used();
+    // The reader makes the altitude of a pressure altitude where there is no other one.
+    if used.contains(&"altitude") && contents.has("pressure_altitude") {
+        used.push("pressure_altitude");
+    }
     let assumed = record.quality.channels.iter().filter(|channel| channel.unit_assumed);
     let mut sentences = Vec::new();
     for channel in assumed.filter(|channel| used.contains(&channel.name.as_str())) {
@@ -153,8 +157,9 @@ pub(super) fn said_twice(contents: &Contents<'_>, answers: &Answers, axes: Draft
     ];
     for (name, said, unit, written) in constants {
         if let (Some(said), Some(recorded), true) = (said, contents.middle(name), written) {
+            let (said, recorded) = (rounded(said), rounded(recorded));
             sentences.push(format!(
-                "{name} is the constant {said:.6} {unit} that was said, and not what the record has (median {recorded:.6} \
+                "{name} is the constant {said} {unit} that was said, and not what the record has (median {recorded} \
                  {unit}); leave the answer out to use the record"
             ));
         }

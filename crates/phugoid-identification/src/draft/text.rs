@@ -460,6 +460,6 @@ fn digits(value: f64) -> f64 {
 }
 
 /// Four significant digits: more than anybody knows of what is estimated here.
-fn rounded(value: f64) -> f64 {
+pub(super) fn rounded(value: f64) -> f64 {
     format!("{value:.3e}").parse().unwrap_or(value)
 }
