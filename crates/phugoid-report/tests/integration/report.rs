@@ -119,8 +119,12 @@ fn before_and_after_of_a_change_and_a_second_method_stand_side_by_side() {
     let name = given.parameters[0].name.clone();
     let small = ChangedParameter { name: name.clone(), before: -0.5, before_std: 0.03, after: -0.51, after_std: 0.04 };
     let large = ChangedParameter { before: -0.5, after: -1.0, name: given.parameters[1].name.clone(), ..small.clone() };
-    given.changes =
-        vec![AdoptedChange { time_s: 4.56, outcome: ChangeOutcome::Confirmed, parameters: vec![small, large] }];
+    given.changes = vec![AdoptedChange {
+        time_s: 4.56,
+        interval_s: Some([4.2, 4.8]),
+        outcome: ChangeOutcome::FoundAfterwards,
+        parameters: vec![small, large],
+    }];
     given.second_answer = Some(SecondAnswer {
         method: Method::EquationError,
         values: vec![OtherValue { name: name.clone(), value: 2.0, std_error: 0.5 }],
@@ -128,7 +132,8 @@ fn before_and_after_of_a_change_and_a_second_method_stand_side_by_side() {
     let page = page(&given);
     assert_balanced(&page);
     let changes = page.split("<section id=\"changes\">").nth(1).unwrap().split("</section>").next().unwrap();
-    assert!(changes.contains("At 4.560 s") && changes.contains("Confirmed:"), "{changes}");
+    assert!(changes.contains("At 4.560 s") && changes.contains("looked at again"), "{changes}");
+    assert!(changes.contains("It happened between 4.2 and 4.8 s."), "{changes}");
     // The one that moved most comes first: half over 0.05.
     assert!(changes.find(&given.parameters[1].name) < changes.find(&name), "{changes}");
     assert!(changes.contains("−10.0") && changes.contains("−0.2"), "{changes}");
