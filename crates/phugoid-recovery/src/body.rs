@@ -9,9 +9,8 @@ use phugoid_identification::model_file::{ModelFile, RateSpeed, ReferenceValue, R
 use phugoid_identification::rigid::MassInput;
 use phugoid_identification::term::{Coefficient, FACTORS, Term, Variable};
 
-use crate::forces::Condition;
 use crate::known::{Declared, Increment, Reach, add, with_declared};
-use crate::performance::Polar;
+use crate::polar::{Condition, Instant, Polar};
 
 /// What an estimate needs of a model file beside its parameters, where it is all of the aerodynamics: a rigid body and the point that
 /// terms count from.
@@ -214,9 +213,6 @@ impl Body {
         polar
     }
 }
-
-/// What was measured at one instant: angle of attack, sideslip, roll, pitch and yaw rate, airspeed, elevator, aileron and rudder; SI.
-pub type Instant = [f64; 9];
 
 /// Mean angular accelerations that terms which are not linear make of the motion about its mean, and one standard error of them from
 /// the parameters', rad/s^2: what the terms give on average over these instants less what they give at the mean of the instants.

@@ -28,12 +28,12 @@ pub use crate::history::History;
 
 use crate::changes::{Changes, Known};
 use crate::controller::{Controller, Decision, NAMES, Told};
-use crate::forces::Condition;
 use crate::known::{Declared, Increment, estimate};
 use crate::learning::Learning;
 use crate::outcome::{Asked, Left, Outcome, judge, left};
 use crate::performance::{Flown, Performance, performance};
 use crate::pilot::Pilot;
+use crate::polar::Condition;
 use crate::robust::robust_gains;
 use crate::scale::Scale;
 use crate::sensing::{Reading, Sensors};

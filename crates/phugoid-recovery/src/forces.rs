@@ -10,13 +10,11 @@
 //! rates, speeds and positions of the surfaces is compared with that over the last seconds. A slow change (ice, a wing that comes apart, a
 //! mass that falls) is no jump that an estimator looks for, and moves this difference long before anything else.
 
-use phugoid_control::local::SURFACES;
 use phugoid_identification::model_file::{AircraftData, Source, Thrust};
 use serde::Serialize;
 
-use crate::body::Instant;
 use crate::known::Declared;
-use crate::performance::Polar;
+use crate::polar::{Condition, Instant, Polar};
 
 /// Parts of the last seconds whose means count as independent, as in `phugoid_control::prediction`.
 const BLOCKS: usize = 6;
@@ -75,19 +73,6 @@ pub struct Forces {
     pub lift: Force,
     /// Of the drag coefficient.
     pub drag: Force,
-}
-
-/// Where the estimate is asked for lift and drag.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Condition {
-    /// True airspeed, m/s, and altitude, m.
-    pub(crate) flown: [f64; 2],
-    /// Angle of attack and sideslip, rad.
-    pub(crate) angles: [f64; 2],
-    /// Roll, pitch and yaw rate, rad/s.
-    pub(crate) rates: [f64; 3],
-    /// Elevator, aileron and rudder, rad.
-    pub(crate) positions: [f64; SURFACES],
 }
 
 /// Where the thrust comes from.

@@ -16,11 +16,11 @@ use phugoid_identification::session::{LiveParameter, Session};
 use phugoid_simulation::aircraft::AnyAircraft;
 use phugoid_simulation::scenario::Scenario;
 
-use crate::body::{Body, Instant, rectified, whole};
+use crate::body::{Body, rectified, whole};
 use crate::error::RecoveryError;
-use crate::forces::{Condition, FELT, Forces, Rigid, forces};
+use crate::forces::{FELT, Forces, Rigid, forces};
 use crate::known::{Declared, Increment, estimate, is_local, parts};
-use crate::performance::Polar;
+use crate::polar::{Condition, Instant, Polar};
 use crate::scale::Scale;
 use crate::sensing::Reading;
 

@@ -15,6 +15,7 @@ pub mod outcome;
 pub mod page;
 pub mod performance;
 pub mod pilot;
+pub mod polar;
 mod robust;
 mod scale;
 pub mod sensing;

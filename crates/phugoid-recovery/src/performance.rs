@@ -21,6 +21,7 @@ use serde::Serialize;
 
 use crate::controller::{AXIS_NAMES, NAMES};
 use crate::forces::{Force, Forces, SIGMAS};
+use crate::polar::Polar;
 
 /// Part of the samples at either end of what was flown that do not count: noise of the vane.
 const TAIL: f64 = 0.01;
@@ -87,25 +88,6 @@ pub struct Performance {
     pub control_speed_m_s: Quantity,
     /// Approach speed with the usual reserve over the slowest known speed, m/s, where the surfaces hold it.
     pub approach_m_s: Quantity,
-}
-
-/// Lift and drag coefficient at an angle of attack, and what a unit of each parameter adds to them.
-pub(crate) struct Polar {
-    pub(crate) value: [f64; 2],
-    pub(crate) by_parameter: Vec<[f64; 2]>,
-}
-
-impl Polar {
-    /// Variance of `weights` times lift and drag less `other_weights` times those of another point.
-    pub(crate) fn variance(&self, weights: [f64; 2], other: Option<(&Self, [f64; 2])>, covariance: &[Vec<f64>]) -> f64 {
-        let row = |k: usize| {
-            let of = |polar: &Self, w: [f64; 2]| polar.by_parameter.get(k).map_or(0.0, |g| w[0] * g[0] + w[1] * g[1]);
-            of(self, weights) - other.map_or(0.0, |(polar, w)| of(polar, w))
-        };
-        let rows: Vec<f64> = (0..covariance.len()).map(row).collect();
-        let product = |line: &Vec<f64>| line.iter().zip(&rows).map(|(c, g)| c * g).sum::<f64>();
-        covariance.iter().zip(&rows).map(|(line, g)| g * product(line)).sum::<f64>().max(0.0)
-    }
 }
 
 /// What the performance follows from.

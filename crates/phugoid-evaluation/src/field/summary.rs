@@ -389,6 +389,8 @@ mod tests {
     fn adopting(times: &[f64], changed: &[&str], outcome: ChangeOutcome, errors: Option<[f64; 2]>) -> Trial {
         let adopt = |(k, time_s): (usize, &f64)| Adoption {
             time_s: *time_s,
+            // Dated to within two seconds, where it was looked for in the record.
+            interval_s: (outcome == ChangeOutcome::FoundAfterwards).then_some([time_s - 2.0, time_s + 2.0]),
             outcome: if k + 1 == times.len() { outcome } else { ChangeOutcome::Confirmed },
             changed: changed.iter().map(|name| (*name).to_owned()).collect(),
         };

@@ -154,7 +154,7 @@ fn recorded_slowly(record: &Record, repeated: bool) -> Record {
     let mut slow = record.clone();
     for channel in slow.channels.iter_mut().filter(|c| SURFACES.contains(&c.name.as_str())) {
         let of = channel.values.clone();
-        let value = |row: usize| if repeated || row % 4 == 0 { of[row - row % 4] } else { f64::NAN };
+        let value = |row: usize| if repeated || row.is_multiple_of(4) { of[row - row % 4] } else { f64::NAN };
         channel.values = (0..of.len()).map(value).collect();
     }
     slow

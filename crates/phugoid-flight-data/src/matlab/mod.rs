@@ -19,7 +19,6 @@ mod layout;
 mod variable;
 
 pub use error::ReadError;
-use layout::Laid;
 
 use std::fs::File;
 use std::io::{BufReader, Read};
@@ -87,7 +86,7 @@ pub(crate) fn read_counted(
     };
     let structs = layout::structs(&variables);
     let found = layout::columns(variables, options, &mut report, account);
-    let Laid { columns, left_out, unnamed } =
+    let layout::Laid { columns, left_out, unnamed } =
         found.map_err(|excess| TableError::from(account.over(excess, source, "")))?;
     if let Some(found) = unnamed {
         let (source_name, given) = (source.to_owned(), options.column_names.len());

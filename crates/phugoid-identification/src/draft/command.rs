@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use phugoid_flight_data::record::{Channel, Quantity, Record};
 
-use super::{Answers, DraftError, DraftedAxes, Question};
+use super::answers::{Answers, DraftError, DraftedAxes, Question};
 
 /// A surface whose command may stand for its position.
 pub(super) struct Surface {

@@ -4,7 +4,7 @@ use phugoid_flight_data::channels;
 use phugoid_flight_data::record::Record;
 use phugoid_flight_data::statistics::median;
 
-use super::DraftedAxes;
+use super::answers::DraftedAxes;
 use super::command::Surface;
 
 /// Density of the air, and where it comes from.

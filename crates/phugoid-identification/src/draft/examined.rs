@@ -3,10 +3,10 @@
 use phugoid_flight_data::plausibility::Doubt;
 use phugoid_flight_data::record::{Quantity, Record};
 
+use super::answers::{Answers, DraftError, DraftedAxes};
 use super::command::SURFACES;
 use super::contents::{Contents, Density};
 use super::text::{Aircraft, GRAVITY, rounded};
-use super::{Answers, DraftError, DraftedAxes};
 use crate::core::error::EstimateError;
 use crate::judge::physics::aircraft::{ASPECT_RATIO, CHORD, FLAT};
 use crate::model_file::ModelFile;

@@ -4,9 +4,9 @@ use std::fmt::Write as _;
 
 use phugoid_flight_dynamics::atmosphere::Atmosphere;
 
+use super::answers::{Answers, DraftedAxes};
 use super::command::Surface;
 use super::contents::{Contents, Density};
-use super::{Answers, DraftedAxes};
 
 /// Density at sea level of the standard atmosphere, kg/m^3.
 const SEA_LEVEL: f64 = phugoid_flight_data::airspeed::SEA_LEVEL_DENSITY;

@@ -180,7 +180,7 @@ fn search<M: EveryRoom<N, R>, const N: usize, const R: usize>(
         found = Some(with);
     }
     let Some(mut found) = found else { return Ok(None) };
-    say_found_afterwards(&again, &mut found, &known, [from_s, to_s], standing)?;
+    say_found_afterwards(again, &mut found, &known, [from_s, to_s], standing)?;
     Ok(Some((found, standing)))
 }
 
