@@ -249,6 +249,8 @@ fn a_propeller_of_jsbsim_is_the_same_in_a_model_file() {
     ] {
         let air = Atmosphere::Standard.at(altitude);
         evaluator.set("fcs/throttle-pos-norm", throttle);
+        // Leaned as the air thins: at the lever of the sea the charge would be too rich to burn at 3000 m.
+        evaluator.set("fcs/mixture-pos-norm", air.pressure / 101_325.0);
         evaluator.set_flight(&FlightCondition::axial(speed, altitude, &air));
         let expected = evaluator.propulsive_force_moment();
         let rpm = evaluator.get("propulsion/engine/propeller-rpm").unwrap();
