@@ -33,7 +33,7 @@ fn decide(record: &Record, file: &ModelFile, lateral: bool) -> Option<(Found, bo
         (prepared.hold, prepared.moved_s, prepared.notes)
     };
     let note = notes.into_iter().find(|note| note.starts_with("`input`"))?;
-    Some(((hold, moved), !note.contains("is not in the bounds"), note))
+    Some(((hold, moved), !note.contains("in the bounds"), note))
 }
 
 /// The record with its surfaces stamped so much later, s.

@@ -365,8 +365,8 @@ pub struct AdoptedChange {
     /// When it was adopted, s; where it was found afterwards: the moment with which the record is predicted best.
     pub time_s: f64,
     /// The times between which it happened, s: moments with which the record is predicted as well, but for 10 nats and a tenth of
-    /// what the change gains. In seconds
-    /// in which nothing moves all moments are as good. `None` where it was found in flight (it happened before `time_s` then) or given.
+    /// what the change gains. In seconds in which nothing moves all moments are as good. `None` where it was found in flight (it
+    /// happened before `time_s` then) or given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub interval_s: Option<[f64; 2]>,
     /// What has become of it.

@@ -34,9 +34,8 @@ const WORTH: f64 = 0.25;
 /// The best moment, and the ends of the interval in which the change lies, are then looked for to within this, s.
 const RESOLUTION_S: f64 = 0.2;
 /// Evidence that a moment may have less than the best one, so that the change may have happened there as well: nats, and a part of
-/// what the change gains. The part is for models that are wrong, whose evidence counts errors again with each sample. On the 108
-/// damages of `develop` (two repetitions) ten nats alone hold 69 of 75 times, and of those with one change only, with this part, all
-/// but two.
+/// what the change gains. The part is for models that are wrong, whose evidence counts the same error with every sample; it was chosen on
+/// the damages of `develop` (docs/methods.md, looking back).
 const AS_GOOD: f64 = 10.0;
 const AS_GOOD_PART: f64 = 0.1;
 /// Most changes that are looked for in one record.
@@ -303,8 +302,8 @@ impl<M: EveryRoom<N, R>, const N: usize, const R: usize> Again<'_, '_, M, N, R> 
     }
 
     /// The times between which the change may have happened that is opened at `opened_s`, one of `known`, s: with the others
-    /// where they are, the record is predicted as well, but for [`AS_GOOD`] and [`AS_GOOD_PART`] of what the change gains. In seconds in which
-    /// nothing moves all moments are as good.
+    /// where they are, the record is predicted as well, but for [`AS_GOOD`] and [`AS_GOOD_PART`] of what the change gains. In seconds
+    /// in which nothing moves all moments are as good.
     fn interval(
         &self,
         known: &[f64],

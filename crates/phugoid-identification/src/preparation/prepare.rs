@@ -86,7 +86,7 @@ pub fn prepare<M: Motion<N, R>, const N: usize, const R: usize>(
             let slow = prepared.slow_surfaces.iter().find(|slow| slow.name == time.name);
             time.step_s = slow.map_or(time.step_s, |slow| slow.step_s);
         }
-        let found = timing(&times);
+        let found = timing(&times, !prepared.slow_surfaces.is_empty());
         let is_told = !times.is_empty();
         let said = prepared.take_slow_surfaces(is_told, found.is_certain, found.hold);
         prepared.notes.extend(said);
@@ -122,10 +122,11 @@ impl<M: Motion<N, R>, const N: usize, const R: usize> Prepared<M, N, R> {
                 of_it.for_each(|signal| signal.values = slow.held(&self.time));
             }
             said.push(slowness(slow, is_straight));
+            if !is_certain {
+                self.surface_time_std_s = self.surface_time_std_s.max(slow.undecided_std_s(is_straight));
+            }
         }
-        if !is_certain && !self.slow_surfaces.is_empty() {
-            let open = self.slow_surfaces.iter().map(SlowSurface::undecided_std_s);
-            self.surface_time_std_s = open.fold(0.0, f64::max);
+        if !is_told && !self.slow_surfaces.is_empty() {
             said.push(NOT_SEEN_BETWEEN.to_owned());
         }
         said

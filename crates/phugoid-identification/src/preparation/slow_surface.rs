@@ -57,10 +57,11 @@ impl SlowSurface {
         time_s.iter().map(|t| self.values[last(*t)]).collect()
     }
 
-    /// One sigma of the time of the surface, s, where the record does not say how it moved between its own samples: half of a
-    /// step off, if it moved in the other way than is taken.
-    pub(crate) fn undecided_std_s(&self) -> f64 {
-        IN_STEPS.sqrt() * 0.5 * self.step_s
+    /// One sigma of the time of the surface, s, where the record does not say how it moved between its own samples and it is taken
+    /// to run straight or to be held: half of a step off, if it moved in the other way.
+    pub(crate) fn undecided_std_s(&self, is_straight: bool) -> f64 {
+        let other_way = if is_straight { IN_STEPS } else { 1.0 - IN_STEPS };
+        other_way.sqrt() * 0.5 * self.step_s
     }
 
     /// The same where it is held because what comes later is not known: late by half of a step in the mean, whatever it did.
@@ -92,6 +93,9 @@ mod tests {
             assert!((0..195).all(|row| (straight[row] - 0.01 * row as f64).abs() < 1e-12));
             assert_eq!(slow.held(&time_s)[4], 0.0);
             assert_eq!(slow.held(&time_s)[5], 0.05);
+            // What is held is the less probable of the two, and is open the farther.
+            let [straight, held] = [true, false].map(|is_straight| slow.undecided_std_s(is_straight));
+            assert!((straight.hypot(held) - 0.05).abs() < 1e-12 && straight < held, "{straight} {held}");
         }
     }
 

@@ -44,12 +44,14 @@ pub(crate) struct Timing {
     pub(crate) notes: Vec<String>,
 }
 
-/// Decides how the surfaces moved, from the times at which each of them was recorded.
-pub(crate) fn timing(found: &[SurfaceDelay]) -> Timing {
+/// Decides how the surfaces moved, from the times at which each of them was recorded. `is_bounded` says whether what stays open of
+/// the time is put into the bounds of the estimate: the notes tell it.
+pub(crate) fn timing(found: &[SurfaceDelay], is_bounded: bool) -> Timing {
+    let open = open(is_bounded);
     if found.is_empty() {
         let note = format!(
             "`input`: whether the surfaces were held between samples cannot be seen in this record (too short, no flow angle, \
-             or motion that no surface made); they are taken as held, {NOT_IN_BOUNDS}"
+             or motion that no surface made); they are taken as held, {open}"
         );
         return Timing { hold: InputHold::Held, is_certain: false, late_s: Vec::new(), notes: vec![note] };
     }
@@ -59,7 +61,7 @@ pub(crate) fn timing(found: &[SurfaceDelay]) -> Timing {
     let grounds = found.iter().map(said).collect::<Vec<_>>().join(", ");
     let Probabilities { held, straight, alike, each } = probabilities(found);
     if alike.max(each) >= CERTAIN {
-        return skewed(found, alike >= each, &grounds);
+        return skewed(found, alike >= each, &grounds, is_bounded);
     }
     let (hold, word, probability) = if held > straight {
         (InputHold::Held, "were held", held)
@@ -78,7 +80,7 @@ pub(crate) fn timing(found: &[SurfaceDelay]) -> Timing {
     let doubt = if is_certain {
         String::new()
     } else {
-        format!(". This is not certain: the nearer of straight and held is taken, {NOT_IN_BOUNDS}")
+        format!(". This is not certain: the nearer of straight and held is taken, {open}")
     };
     let note = format!("`input`: the surfaces {word} between samples: {grounds}{doubt}");
     Timing { hold, is_certain, late_s: Vec::new(), notes: vec![note] }
@@ -121,9 +123,17 @@ fn probabilities(found: &[SurfaceDelay]) -> Probabilities {
 }
 
 /// What a user should know where nothing was decided.
-const NOT_IN_BOUNDS: &str = "and half a sample more or less is not in the bounds. If you know it, add the line input = \
-                             \"held\" (commands) or input = \"interpolated\" (positions) to the model file, above its first \
-                             [section]";
+fn open(is_bounded: bool) -> String {
+    format!(
+        "and half a sample more or less is {} the bounds. If you know it, add the line input = \"held\" (commands) or input = \
+         \"interpolated\" (positions) to the model file, above its first [section]",
+        where_it_is(is_bounded)
+    )
+}
+
+const fn where_it_is(is_bounded: bool) -> &'static str {
+    if is_bounded { "in" } else { "not in" }
+}
 
 /// How late a surface was recorded if it moves in this way, s.
 fn off_s(surface: &SurfaceDelay, hold: InputHold) -> f64 {
@@ -137,7 +147,7 @@ fn std_s(surface: &SurfaceDelay) -> f64 {
 
 /// Takes skews out. Held positions that are moved by half a sample are straight lines, as nearly as the aircraft notices.
 /// Where all are `alike`, a surface that says little is moved with the others; otherwise what is near to straight lines stays.
-fn skewed(found: &[SurfaceDelay], alike: bool, grounds: &str) -> Timing {
+fn skewed(found: &[SurfaceDelay], alike: bool, grounds: &str, is_bounded: bool) -> Timing {
     let (mean_s, mean_std_s) = common(found);
     // How far each is moved, and one sigma of it.
     let move_of = |s: &SurfaceDelay| match alike {
@@ -149,7 +159,11 @@ fn skewed(found: &[SurfaceDelay], alike: bool, grounds: &str) -> Timing {
         found.iter().map(|s| (s.name, move_of(s).0)).filter(|(_, late_s)| *late_s != 0.0).collect();
     let by: Vec<String> = moved.iter().map(|(name, late_s)| format!("the {name} by {:+.1} ms", 1e3 * late_s)).collect();
     let is_known = found.iter().all(|s| 2.0 * move_of(s).1 <= SKEW_S.max(SKEW_SAMPLES * s.step_s));
-    let doubt = if is_known { "" } else { ". By how much is not certain, and what it is off by is not in the bounds" };
+    let doubt = if is_known {
+        String::new()
+    } else {
+        format!(". By how much is not certain, and what it is off by is {} the bounds", where_it_is(is_bounded))
+    };
     let note = format!(
         "`input`: {grounds} against straight lines (two sigma), by when the aircraft reacts to it, which is neither in time \
          nor held: what was recorded late was moved earlier, {}. Check time stamps and filters{doubt}",
@@ -177,7 +191,7 @@ mod tests {
     #[test]
     fn held_straight_and_skewed_are_told_apart() {
         let decided = |late, std| {
-            let found = timing(&[surface(late, std)]);
+            let found = timing(&[surface(late, std)], false);
             (
                 found.hold,
                 found.late_s.first().map(|moved| (1e3 * moved.1).round()),
@@ -198,27 +212,32 @@ mod tests {
         assert_eq!(decided(16.0, 4.0), (InputHold::Interpolated, None, true));
         // No recorder is so late.
         assert_eq!(decided(400.0, 2.0), (InputHold::Interpolated, None, true));
-        assert_eq!(timing(&[]).hold, InputHold::Held);
+        assert_eq!(timing(&[], false).hold, InputHold::Held);
     }
 
     #[test]
     fn what_was_decided_is_said_with_its_error_and_what_to_do() {
-        let note = |late, std| timing(&[surface(late, std)]).notes.concat();
+        let note = |late, std| timing(&[surface(late, std)], false).notes.concat();
         assert!(note(0.5, 1.0).contains("the elevator was recorded +0.5 ± 3.5 ms late"), "{}", note(0.5, 1.0));
         assert!(note(0.5, 1.0).contains("Probability of straight lines 99."), "{}", note(0.5, 1.0));
         assert!(!note(0.5, 1.0).contains("add the line"));
         assert!(note(-4.0, 4.0).contains("add the line input = \"held\""), "{}", note(-4.0, 4.0));
-        assert!(timing(&[]).notes[0].contains("add the line input = \"held\""));
+        assert!(timing(&[], false).notes[0].contains("add the line input = \"held\""));
+        // Whether the bounds hold what stays open is said as it is.
+        for late in [-4.9, 40.0] {
+            let said = |is_bounded| timing(&[surface(late, 6.0)], is_bounded).notes.concat();
+            assert!(said(false).contains("is not in the bounds") && said(true).contains("is in the bounds"), "{late}");
+        }
     }
 
     #[test]
     fn one_recorder_stamps_all_surfaces_alike() {
         let rudder = SurfaceDelay { name: "rudder", ..surface(5.0, 9.0) };
-        let found = timing(&[surface(20.0, 1.0), rudder]);
+        let found = timing(&[surface(20.0, 1.0), rudder], false);
         assert_eq!(found.late_s.len(), 2);
         assert!(found.late_s.iter().all(|moved| (1e3 * moved.1 - 20.0).abs() < 0.6), "{found:?}");
         // In time for certain: it is not moved with the other.
         let rudder = SurfaceDelay { name: "rudder", ..surface(0.0, 1.0) };
-        assert_eq!(timing(&[surface(20.0, 1.0), rudder]).late_s, [("elevator", 0.02)]);
+        assert_eq!(timing(&[surface(20.0, 1.0), rudder], false).late_s, [("elevator", 0.02)]);
     }
 }
