@@ -31,6 +31,7 @@ fn result() -> Estimation {
         events: vec![Event { time_s: 4.5, kind: EventKind::Adopted, message: "changed".into() }],
         changes: vec![AdoptedChange {
             time_s: 4.5,
+            interval_s: Some([3.5, 4.75]),
             outcome: ChangeOutcome::Confirmed,
             parameters: vec![ChangedParameter {
                 name: "Cm_alpha".into(),
@@ -75,6 +76,10 @@ fn numbers_words_and_gaps_are_read_back() {
     assert_eq!(covariance[0][1..], [words("Cm_alpha"), words("=1+1")]);
     assert_eq!(covariance[1][2], Data::Float(0.25 * (0.02 * 0.5)));
     assert_eq!(rows("Correlation")[2][1], Data::Float(0.25));
-    assert_eq!(rows("Changes")[1][4], Data::Float(-1.0));
+    let changes = rows("Changes");
+    let change = |name: &str| &changes[1][changes[0].iter().position(|cell| *cell == words(name)).unwrap()];
+    assert_eq!(*change("not before (s)"), Data::Float(3.5));
+    assert_eq!(*change("not after (s)"), Data::Float(4.75));
+    assert_eq!(*change("after"), Data::Float(-1.0));
     assert_eq!(rows("Events")[1][1], words("adopted"));
 }
