@@ -2,6 +2,7 @@
 #![cfg_attr(not(test), deny(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
 pub mod campaign;
+mod content;
 pub mod key;
 pub mod logs;
 pub mod page;

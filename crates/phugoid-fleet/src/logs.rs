@@ -2,8 +2,8 @@
 //!
 //! None of this is part of a key: a log that is moved, or assigned to another airframe, is not estimated again.
 
-use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Component, Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
@@ -32,6 +32,7 @@ pub struct FlightTable {
 }
 
 #[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
 struct TableEntry {
     log: String,
     airframe: String,
@@ -84,18 +85,37 @@ impl FlightTable {
             if [entry.flight, entry.hours].iter().flatten().any(|number| !number.is_finite()) {
                 return Err(FlightTableError::NotFinite { file: file.to_owned(), log: entry.log });
             }
-            if let Some(twice) = entries.insert(entry.log.clone(), entry) {
+            if let Some(twice) = entries.insert(name_of(Path::new(&entry.log)), entry) {
                 return Err(FlightTableError::Twice { file: file.to_owned(), log: twice.log });
             }
         }
         Ok(Self { entries })
     }
 
+    /// The key of the entry for a log: the longest end of its path that the table names.
+    fn key_of(&self, path: &Path) -> Option<&str> {
+        // Of a relative path also what it is in full, which the table may name.
+        let full = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+        let parts: Vec<String> = full.components().map(|part| name_of(part.as_ref())).collect();
+        let whole = self.entries.get_key_value(&name_of(&full));
+        let ends = (1..parts.len()).find_map(|first| self.entries.get_key_value(&parts[first..].join("/")));
+        whole.or(ends).map(|(key, _)| key.as_str())
+    }
+
+    /// The entries of the table that name none of these logs, as they are written.
+    pub fn without_a_log<'a>(&self, logs: impl Iterator<Item = &'a Path>) -> Vec<&str> {
+        let used: BTreeSet<&str> = logs.filter_map(|path| self.key_of(path)).collect();
+        self.entries
+            .iter()
+            .filter(|(key, _)| !used.contains(key.as_str()))
+            .map(|(_, entry)| entry.log.as_str())
+            .collect()
+    }
+
     /// The row of a log. A log that is not in the table belongs to the airframe that is called as its folder.
     pub fn log(&self, path: &Path, log_sha256: &str, bytes: u64) -> LogRow {
         // The longest end of the path that the table names.
-        let parts: Vec<_> = path.components().map(|part| part.as_os_str().to_string_lossy()).collect();
-        let found = (0..parts.len()).find_map(|first| self.entries.get(&parts[first..].join("/")));
+        let found = self.key_of(path).and_then(|key| self.entries.get(key));
         let folder = path.parent().and_then(Path::file_name).map(|name| name.to_string_lossy().into_owned());
         LogRow {
             log_sha256: log_sha256.to_owned(),
@@ -106,6 +126,13 @@ impl FlightTable {
             hours: found.and_then(|entry| entry.hours),
         }
     }
+}
+
+/// A path with `/` between its parts and without `./`.
+fn name_of(path: &Path) -> String {
+    let parts = path.components().filter(|part| *part != Component::CurDir);
+    let parts: Vec<_> = parts.map(|part| part.as_os_str().to_string_lossy().replace('\\', "/")).collect();
+    parts.join("/").replace("//", "/")
 }
 
 /// A name as people count: `flight 9` comes before `flight 10`. Numbers compare by value, everything else as text.
@@ -143,6 +170,13 @@ mod tests {
         assert_eq!((log.airframe.as_str(), log.flight, log.hours), ("N17", Some(3.0), Some(12.5)));
         assert_eq!(flights.log(Path::new("logs/b/1.csv"), "abc", 7).airframe, "b");
         assert_eq!(flights.log(Path::new("logs/b/2.csv"), "abc", 7).airframe, "N18");
+        assert_eq!(flights.without_a_log([Path::new("logs/b/1.csv"), Path::new("x/2.csv")].into_iter()), ["a/1.csv"]);
+        // As it is written in the table, and in full.
+        let here = std::path::absolute("logs/a/7.csv").unwrap();
+        let both = table(&format!("log,airframe\n./b/1.csv,N1\n{},N2\n", here.display())).unwrap();
+        assert_eq!(both.log(Path::new("b/1.csv"), "abc", 7).airframe, "N1");
+        assert_eq!(both.log(Path::new("logs/a/7.csv"), "abc", 7).airframe, "N2");
+        assert!(matches!(table("log,airframe,hour\na,b,3\n"), Err(FlightTableError::Wrong { .. })));
         assert!(matches!(table("log,airframe\na,b\na,c\n"), Err(FlightTableError::Twice { .. })));
         assert!(matches!(table("log,plane\na,b\n"), Err(FlightTableError::Wrong { .. })));
         assert!(matches!(table("log,airframe,flight\na,b,nan\n"), Err(FlightTableError::NotFinite { .. })));

@@ -35,6 +35,10 @@ pub fn html(findings: &Findings) -> String {
         escaped(&findings.set.to_string()),
         100.0 * findings.false_discoveries,
     );
+    for note in &findings.notes {
+        let _ = writeln!(page, "<p><b>Note.</b> {}</p>", escaped(note));
+    }
+    unused(&mut page, findings);
     let mut numbers = BTreeMap::new();
     for point in findings.airframes.iter().flat_map(|a| &a.courses).flat_map(|course| &course.points) {
         let next = numbers.len() + 1;
@@ -57,6 +61,32 @@ pub fn html(findings: &Findings) -> String {
     flights(&mut page, findings, &numbers);
     let _ = write!(page, "</tbody></table>\n<script>{SCRIPT}</script></body></html>\n");
     page
+}
+
+/// Airframes with flights of which nothing can be used, which have no course or a shorter one.
+fn unused(page: &mut String, findings: &Findings) {
+    let with: Vec<_> = findings.airframes.iter().filter(|airframe| airframe.unused.logs > 0).collect();
+    if with.is_empty() {
+        return;
+    }
+    page.push_str(
+        "<h2>Flights without an estimate that can be used</h2>\n<table><thead><tr><th class=\"w\">airframe</th><th>flights</th>\
+         <th>of</th><th class=\"w\">reasons, and in how many flights</th><th class=\"w\">what</th></tr></thead><tbody>\n",
+    );
+    for airframe in with {
+        let own = &airframe.unused;
+        let (found, what) =
+            if own.is_apart { (" class=\"found\"", "more than the others: check its sensors") } else { ("", "") };
+        let _ = writeln!(
+            page,
+            "<tr{found}><td class=\"w\">{}</td><td>{}</td><td>{}</td><td class=\"w\">{}</td><td class=\"w\">{what}</td></tr>",
+            escaped(&airframe.name),
+            own.logs,
+            own.of,
+            escaped(&own.words())
+        );
+    }
+    page.push_str("</tbody></table>\n<h2>Courses</h2>\n");
 }
 
 fn row(page: &mut String, airframe: &str, course: &Course, over: Over, numbers: &BTreeMap<&str, usize>) {
@@ -153,13 +183,29 @@ fn flights(page: &mut String, findings: &Findings, numbers: &BTreeMap<&str, usiz
     for (number, (airframe, point, estimates)) in logs {
         let _ = writeln!(
             page,
-            "<tr id=\"f{number}\"><td>{number}</td><td class=\"w\">{}</td><td class=\"w\"><a href=\"{1}\">{1}</a></td>\
-             <td class=\"w\">{2}</td></tr>",
+            "<tr id=\"f{number}\"><td>{number}</td><td class=\"w\">{}</td><td class=\"w\"><a href=\"{1}\">{2}</a></td>\
+             <td class=\"w\">{3}</td></tr>",
             escaped(airframe),
+            address(&point.path),
             escaped(&point.path),
             escaped(&estimates.join("; ")),
         );
     }
+}
+
+/// A path as the address of a link: every byte that means something in an address is written as `%` and its two digits (RFC 3986).
+fn address(path: &str) -> String {
+    let is_plain = |byte: u8| byte.is_ascii_alphanumeric() || b"-._~/".contains(&byte);
+    // Of a colon before the first slash a browser would make the name of a protocol, and an address of an object store is one.
+    let is_remote = path.contains("://");
+    path.bytes().fold(String::new(), |mut address, byte| {
+        if is_plain(byte) || (is_remote && byte == b':') {
+            address.push(char::from(byte));
+        } else {
+            let _ = write!(address, "%{byte:02X}");
+        }
+        address
+    })
 }
 
 /// A cell with a number, which sorts by its value. What is not finite is an empty cell.
@@ -241,6 +287,12 @@ mod tests {
                 && !page.contains("a&b/")
         );
         assert!(!page.contains("http"));
+    }
+
+    #[test]
+    fn a_link_leads_to_the_file_whatever_its_name() {
+        assert_eq!(address("logs/a b#1?x=100%.csv"), "logs/a%20b%231%3Fx%3D100%25.csv");
+        assert_eq!(address("s3://bucket/\u{e9}.csv"), "s3://bucket/%C3%A9.csv");
     }
 
     #[test]

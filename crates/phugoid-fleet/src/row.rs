@@ -6,6 +6,8 @@ use serde::{Deserialize, Serialize};
 /// Version of the schema of [`Row`] and [`LogRow`](crate::logs::LogRow). It is part of every key, so that rows of two
 /// schemas never stand under one key, and it changes whenever a column changes its name, type or meaning.
 pub const SCHEMA: u32 = 1;
+/// The file by which the folder of a store is known; it holds the number of the schema.
+pub(crate) const STORE_MARK: &str = "phugoid-fleet-store.txt";
 
 /// Number of quantities that a budget of systematic errors can have parts of.
 pub const QUANTITIES: usize = UncertainQuantity::ALL.len();
@@ -22,7 +24,7 @@ pub struct Row {
     pub kind: String,
     /// SHA-256 of the log, or of the scenario as it was flown; `None` where a file could not be read at all.
     pub source_sha256: Option<String>,
-    /// SHA-256 of the text of the model file.
+    /// SHA-256 of the text of the model file; of one with a `base` in files the hash of that and of the hashes of these.
     pub model_sha256: String,
     /// The name that the model file gives the aircraft.
     pub model: String,

@@ -49,7 +49,7 @@ pub struct Summary {
     pub found: usize,
     /// Logs that were estimated.
     pub estimated: usize,
-    /// Of those, logs without any numbers.
+    /// Of those, logs without any number that may be used: none at all, or all with the result `refused`.
     pub refused: usize,
     /// Rows that were written.
     pub rows: usize,
@@ -225,7 +225,7 @@ pub fn one(
     }
     let rows = task.rows(file, hash);
     store.write_unit(&rows, is_tried_again(&rows))?;
-    Ok(Outcome::Estimated { rows: rows.len(), refused: rows.iter().all(|row| row.parameter.is_none()) })
+    Ok(Outcome::Estimated { rows: rows.len(), refused: is_refused(&rows) })
 }
 
 /// Estimates every log that the store does not have with this task.
@@ -252,6 +252,11 @@ pub fn run(
     let unit = |log: Hashed| Ok(one(&log, &log.name, task, flights, store)?.into());
     each(&pool, work, &mut summary, unit, progress, stop)?;
     Ok(summary)
+}
+
+/// Whether rows give no number that may be used: there is none, or the result says so of each.
+pub(crate) fn is_refused(rows: &[Row]) -> bool {
+    rows.iter().all(|row| row.parameter.is_none() || row.status == "refused")
 }
 
 /// Whether what is in these rows may be otherwise in the next run.

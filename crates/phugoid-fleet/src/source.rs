@@ -4,9 +4,13 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use crate::row::STORE_MARK;
+
 /// Ends of the names of flights. In a folder everything else is left out; a file that is named is always taken.
-pub const ENDS: [&str; 12] =
-    [".ulg", ".bin", ".mcap", ".csv", ".csv.gz", ".txt", ".mat", ".parquet", ".arrow", ".feather", ".xlsx", ".xlsm"];
+pub const ENDS: [&str; 13] = [
+    ".ulg", ".bin", ".tlog", ".mcap", ".csv", ".csv.gz", ".txt", ".mat", ".parquet", ".arrow", ".feather", ".xlsx",
+    ".xlsm",
+];
 
 /// Why there are no logs to take.
 #[derive(Debug, thiserror::Error)]
@@ -32,7 +36,7 @@ pub enum SourceError {
         source: glob::PatternError,
     },
     /// A folder that cannot be read.
-    #[error("`{}`: cannot be read: {source}", folder.display())]
+    #[error("`{}`: cannot be read: {source}. Give yourself the right to read it, or name the other folders one by one", folder.display())]
     Folder {
         /// The folder.
         folder: PathBuf,
@@ -65,12 +69,15 @@ pub fn files(words: &[String]) -> Result<Vec<PathBuf>, SourceError> {
         } else if word.contains("://") {
             return Err(SourceError::Remote { word: word.clone() });
         } else if word.contains(['*', '?', '[']) {
-            let before = found.len();
             let paths = glob::glob(word).map_err(|source| SourceError::Pattern { word: word.clone(), source })?;
-            for path in paths.flatten() {
+            let mut fits = false;
+            for path in paths {
+                let path = path
+                    .map_err(|error| SourceError::Folder { folder: error.path().to_owned(), source: error.into() })?;
+                fits = true;
                 if path.is_dir() { walk(&path, &mut found)? } else { _ = found.insert(path) }
             }
-            if found.len() == before {
+            if !fits {
                 return Err(SourceError::NothingFits { word: word.clone() });
             }
         } else {
@@ -80,9 +87,13 @@ pub fn files(words: &[String]) -> Result<Vec<PathBuf>, SourceError> {
     Ok(found.into_iter().collect())
 }
 
-/// All flights in a folder and those below it. Links to folders are not followed, since they may lead back.
+/// All flights in a folder and those below it, but for stores of a fleet. Links to folders are not followed, since they may lead back.
 fn walk(folder: &Path, found: &mut BTreeSet<PathBuf>) -> Result<(), SourceError> {
     let failed = |source| SourceError::Folder { folder: folder.to_owned(), source };
+    // What a store holds are results, and no flights.
+    if folder.join(STORE_MARK).exists() {
+        return Ok(());
+    }
     for entry in fs::read_dir(folder).map_err(failed)? {
         let entry = entry.map_err(failed)?;
         let (path, kind) = (entry.path(), entry.file_type().map_err(failed)?);
@@ -120,6 +131,12 @@ mod tests {
         assert_eq!(names(&[word("b"), word("a/3.bin"), word("")]), ["a/3.bin", "b/1.ULG", "b/2.csv"]);
         assert_eq!(names(&[word("*/*.csv")]), ["a/.hidden.csv", "b/2.csv"]);
         assert_eq!(names(&[word("a/notes.md")]), ["a/notes.md"]);
+        // What a pattern finds that was named before still fits it; and a store among the flights holds none.
+        assert_eq!(names(&[word("a/3.bin"), word("a/*.bin")]), ["a/3.bin"]);
+        fs::create_dir_all(root.join("b/store/logs")).unwrap();
+        fs::write(root.join("b/store").join(STORE_MARK), "").unwrap();
+        fs::write(root.join("b/store/logs/7.parquet"), "").unwrap();
+        assert_eq!(names(&[word("b")]), ["b/1.ULG", "b/2.csv"]);
         assert!(matches!(files(&[word("c")]), Err(SourceError::NotThere { .. })));
         assert!(matches!(files(&[word("*.mat")]), Err(SourceError::NothingFits { .. })));
         assert!(matches!(files(&["s3://bucket/x".to_owned()]), Err(SourceError::Remote { .. })));

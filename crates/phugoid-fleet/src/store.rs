@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 use phugoid_flight_data::output_file;
 
 use crate::logs::LogRow;
-use crate::row::{Row, SCHEMA};
+use crate::row::{Row, SCHEMA, STORE_MARK};
 use crate::schema;
 
 /// Why the store cannot be used.
@@ -32,7 +32,7 @@ pub enum StoreError {
         source: std::io::Error,
     },
     /// A file of it cannot be read, or is none of a store.
-    #[error("{}: {message}", file.display())]
+    #[error("{}: {message}. If the file is broken, remove it and run the same command as before: what is missing is done again", file.display())]
     Read {
         /// The file.
         file: PathBuf,
@@ -67,9 +67,6 @@ pub struct Store {
     folder: PathBuf,
 }
 
-/// The file by which a store is known; it holds the number of the schema.
-const MARK: &str = "phugoid-fleet-store.txt";
-
 impl Store {
     /// Opens the store in this folder, or begins one in a folder that is new or empty. What killed programs have left of
     /// half-written files is removed.
@@ -78,7 +75,7 @@ impl Store {
     /// [`StoreError`]: the folder cannot be written, holds something else, or has another schema.
     pub fn create(folder: &Path) -> Result<Self, StoreError> {
         let store = Self { folder: folder.to_owned() };
-        let mark = folder.join(MARK);
+        let mark = folder.join(STORE_MARK);
         if !mark.exists() {
             let is_foreign = |entry: fs::DirEntry| !entry.file_name().to_string_lossy().starts_with(".phugoid-");
             if fs::read_dir(folder).is_ok_and(|mut entries| entries.any(|entry| entry.is_ok_and(is_foreign))) {
@@ -103,7 +100,7 @@ impl Store {
     /// [`StoreError`]: there is none, or it has another schema.
     pub fn open(folder: &Path) -> Result<Self, StoreError> {
         let store = Self { folder: folder.to_owned() };
-        if !folder.join(MARK).exists() {
+        if !folder.join(STORE_MARK).exists() {
             return Err(StoreError::NotThere { folder: folder.to_owned() });
         }
         store.check_schema()?;
@@ -111,7 +108,7 @@ impl Store {
     }
 
     fn check_schema(&self) -> Result<(), StoreError> {
-        let mark = self.folder.join(MARK);
+        let mark = self.folder.join(STORE_MARK);
         let found = fs::read_to_string(&mark)
             .map_err(|error| StoreError::Read { file: mark, message: error.to_string() })?
             .trim()

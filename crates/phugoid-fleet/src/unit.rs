@@ -10,7 +10,8 @@ use phugoid_identification::manoeuvres::{Settings, find};
 use phugoid_identification::method::Method;
 use phugoid_identification::model_file::{ModelError, ModelFile, ModelFileError};
 
-use crate::key::{VERSION, hash, key};
+use crate::content::model_sha256;
+use crate::key::{VERSION, key};
 use crate::row::{Refusal, Row, finite};
 
 /// What is estimated of a flight.
@@ -60,11 +61,11 @@ impl Task {
     /// [`ModelFileError`]: the text is wrong.
     pub fn parse(name: &str, text: String, method: Option<Method>, segments: Segments) -> Result<Self, ModelFileError> {
         let model = ModelFile::parse(name, &text)?;
-        let model_sha256 = hash(text.as_bytes());
+        let model_sha256 = model_sha256(&text, &model);
         Ok(Self { model, model_text: text, model_sha256, method, segments })
     }
 
-    /// SHA-256 of the text of the model file.
+    /// SHA-256 of the text of the model file, and of the files of its `base` if it has any.
     pub fn model_sha256(&self) -> &str {
         &self.model_sha256
     }
@@ -79,7 +80,7 @@ impl Task {
         key(&[
             ("log", log_sha256),
             ("model", &self.model_sha256),
-            ("method", self.method.map_or("of the model", Method::name)),
+            ("method", self.method().name()),
             ("segments", self.segments.word()),
         ])
     }
@@ -87,6 +88,11 @@ impl Task {
     /// The key of the row that says that a file could not be read: it has no content, so that its path stands for it.
     pub fn key_of_unreadable(&self, path: &Path) -> String {
         self.key(&format!("unreadable {}", path.display()))
+    }
+
+    /// The method that estimates.
+    fn method(&self) -> Method {
+        self.method.unwrap_or(self.model.estimator.method)
     }
 
     /// What all rows of a log have in common.
@@ -98,7 +104,7 @@ impl Task {
             model_sha256: self.model_sha256.clone(),
             model: self.model.name.clone(),
             version: VERSION.to_owned(),
-            method: self.method.unwrap_or(self.model.estimator.method).name().to_owned(),
+            method: self.method().name().to_owned(),
             ..Row::default()
         }
     }

@@ -1,11 +1,12 @@
 //! `phugoid campaign`.
 
+use std::collections::HashSet;
 use std::sync::atomic::AtomicBool;
 
 use phugoid_fleet::campaign::file::Campaign;
 use phugoid_fleet::campaign::layout::Layout;
 use phugoid_fleet::campaign::run::run as run_campaign;
-use phugoid_fleet::campaign::score::{COLUMNS, Score, Scoring};
+use phugoid_fleet::campaign::score::{COLUMNS, Score, Scoring, Unscored};
 use phugoid_fleet::run::{Share, Summary};
 use phugoid_fleet::store::Store;
 use serde::Serialize;
@@ -22,6 +23,7 @@ struct Document {
     name: String,
     summary: Summary,
     scores: Vec<Score>,
+    unscored: Vec<Unscored>,
 }
 
 pub(crate) fn run(arguments: &arguments::Campaign) -> Result<(), Failure> {
@@ -57,11 +59,19 @@ pub(crate) fn run(arguments: &arguments::Campaign) -> Result<(), Failure> {
     };
     // The store may hold other campaigns: only what this one asks for is scored, by whichever shard it was flown.
     let mut scoring = Scoring::default();
-    for block in &blocks {
+    // A flight that is asked for twice, as a design over listed values does, is one.
+    let mut seen = HashSet::new();
+    for block in blocks.iter().filter(|block| seen.insert(&block.key)) {
         scoring.add(&store.unit_rows("campaign", &block.model_sha256, &block.key, &COLUMNS)?);
     }
-    let document = Document { name: campaign.name, summary, scores: scoring.scores() };
-    deliver(&document, arguments.delivery.json, arguments.delivery.out.as_deref(), || text(&document, &store))
+    let unscored = scoring.unscored();
+    let document = Document { name: campaign.name, summary, scores: scoring.scores(), unscored };
+    deliver(&document, arguments.delivery.json, arguments.delivery.out.as_deref(), || text(&document, &store))?;
+    let is_empty = |without: &Unscored| without.refused > 0 && without.without_truth == 0;
+    match document.scores.is_empty() && !document.unscored.is_empty() && document.unscored.iter().all(is_empty) {
+        true => Err(Failure::impossible("no estimation of the campaign has numbers: the table above says why")),
+        false => Ok(()),
+    }
 }
 
 fn text(document: &Document, store: &Store) -> String {
@@ -102,7 +112,7 @@ fn text(document: &Document, store: &Store) -> String {
         ]);
     }
     format!(
-        "{}\n{} estimations asked for: {} made ({} of them refused), {} in the store before, {} of other shards\n{} rows \
+        "{}\n{} estimations asked for: {} made ({} of them refused), {} in the store before, {} of other shards, {} asked for twice\n{} rows \
          written to {}\n\n{}Error: median, as a part of the truth. After: median time from which on the estimate stays near \
          its end.\nCovered: truth within two standard errors.\n",
         document.name,
@@ -111,10 +121,28 @@ fn text(document: &Document, store: &Store) -> String {
         s.refused,
         s.found,
         s.of_others,
+        s.copies,
         s.rows,
         store.folder().display(),
         table.render()
-    )
+    ) + &without_score(&document.unscored)
+}
+
+/// What the table of scores cannot show.
+fn without_score(unscored: &[Unscored]) -> String {
+    let line = |without: &Unscored| {
+        let Unscored { scenario, model, method, refused, refusal, message, without_truth } = without;
+        let mut line = format!("  {scenario}, {model}, {method}:");
+        if *refused > 0 {
+            line += &format!(" {refused} without numbers ({refusal}: {message})");
+        }
+        if *without_truth > 0 {
+            line += &format!(" {without_truth} estimates of parameters whose truth the scenario does not give");
+        }
+        line + "\n"
+    };
+    let lines: String = unscored.iter().map(line).collect();
+    if lines.is_empty() { lines } else { format!("\nWithout a score:\n{lines}") }
 }
 
 fn percent(part: f64) -> String {

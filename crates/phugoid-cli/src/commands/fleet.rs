@@ -1,7 +1,7 @@
 //! `phugoid fleet`.
 
 use std::io::{IsTerminal as _, Write as _};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use phugoid_fleet::logs::FlightTable;
 use phugoid_fleet::run::{Progress, RunError, Share, Summary, run as run_fleet};
-use phugoid_fleet::source::files;
+use phugoid_fleet::source::{ENDS, files};
 use phugoid_fleet::store::{Store, StoreError};
 use phugoid_fleet::unit::{Segments, Task};
 
@@ -74,6 +74,19 @@ fn estimate(arguments: &Estimating) -> Result<(), Failure> {
     let task = Task::open(model, arguments.method, arguments.segments.into()).map_err(Failure::input)?;
     let table = arguments.flights.as_deref().map(FlightTable::open).transpose().map_err(Failure::input)?;
     let logs = files(&arguments.logs).map_err(Failure::input)?;
+    if let (Some(table), Some(file)) = (&table, &arguments.flights) {
+        let left = table.without_a_log(logs.iter().map(PathBuf::as_path));
+        if let Some(first) = left.first() {
+            eprintln!(
+                "{}: {} of its rows name no log of this run (`{first}`, ...): `log` is the name of a file, or the end of its path",
+                file.display(),
+                left.len()
+            );
+        }
+    }
+    if logs.is_empty() {
+        eprintln!("no flight is in the folders that are named: taken are files that end in {}", ENDS.join(", "));
+    }
     let store = Store::create(folder)?;
     let share = Share { workers: arguments.workers.map_or(0, usize::from), shard: arguments.shard };
     let bar = Bar::new("logs");

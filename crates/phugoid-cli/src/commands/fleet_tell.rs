@@ -38,12 +38,18 @@ fn text(findings: &Findings) -> String {
         let words: Vec<String> = findings.refused.iter().map(|(word, count)| format!("{word} {count}")).collect();
         let _ = writeln!(text, "Without numbers: {}", words.join(", "));
     }
+    for note in &findings.notes {
+        let _ = writeln!(text, "Note: {note}.");
+    }
     let _ = writeln!(
         text,
         "Findings are called so at a rate of false ones of {} %.",
         significant(100.0 * findings.false_discoveries, 3)
     );
     let each = || findings.airframes.iter().flat_map(|a| a.courses.iter().map(move |course| (a, course)));
+    if let Some(table) = unused(findings) {
+        section(&mut text, "Flights without an estimate that can be used", Some(table));
+    }
     section(&mut text, "Drifts and steps", changes(findings));
     section(&mut text, "Airframes apart from the others", outliers(each().filter(|(_, course)| course.is_outlier)));
     section(&mut text, "Flights that disagree with their own airframe", flights(each()));
@@ -59,6 +65,23 @@ fn text(findings: &Findings) -> String {
 
 fn section(text: &mut String, title: &str, table: Option<String>) {
     let _ = write!(text, "\n{title}\n{}", table.unwrap_or_else(|| "  none\n".to_owned()));
+}
+
+fn unused(findings: &Findings) -> Option<String> {
+    let mut table =
+        Table::with_words(&["airframe", "flights", "of", "what", "reasons, and in how many flights"], &[0, 3, 4]);
+    let with: Vec<&Airframe> = findings.airframes.iter().filter(|airframe| airframe.unused.logs > 0).collect();
+    for airframe in &with {
+        let own = &airframe.unused;
+        table.row([
+            airframe.name.clone(),
+            own.logs.to_string(),
+            own.of.to_string(),
+            if own.is_apart { "more than the others: check its sensors".to_owned() } else { "-".to_owned() },
+            own.words(),
+        ]);
+    }
+    (!with.is_empty()).then(|| table.render())
 }
 
 fn changes(findings: &Findings) -> Option<String> {

@@ -281,8 +281,15 @@ fn a_campaign_is_flown_once_scored_and_grows() {
     assert_eq!(run("study", &[])["summary"]["found"], 0);
     // A key that means nothing is a row with its reason, and a path that leads nowhere is told at once.
     folder.file("c.toml", &CAMPAIGN.replace("sensors.alpha.noise", "sensors.alhpa.noise"));
-    let refused = run("wrong", &[]);
+    let refused = phugoid(&folder.0, &["campaign", "c.toml", "--store", "wrong", "--json"]);
+    assert!(
+        refused.code == Some(1) && refused.err.contains("no estimation of the campaign has numbers"),
+        "{}",
+        refused.err
+    );
+    let refused = refused.json_of_any_result();
     assert_eq!((&refused["summary"]["refused"], &refused["summary"]["estimated"]), (&8.into(), &8.into()));
+    assert!(refused["unscored"][0]["message"].as_str().unwrap().contains("alhpa"), "{refused:#}");
     folder.file("c.toml", &CAMPAIGN.replace("sensors.alpha.noise", "name.alpha"));
     let run = phugoid(&folder.0, &["campaign", "c.toml", "--store", "wrong"]);
     assert!(run.fails(3).contains("`name.alpha`"));

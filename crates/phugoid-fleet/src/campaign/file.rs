@@ -1,5 +1,6 @@
 //! The file of a campaign, in TOML, and what is wrong with one.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use phugoid_identification::method::Method;
@@ -47,6 +48,11 @@ pub struct Campaign {
 
 fn one() -> u32 {
     1
+}
+
+/// Whether nothing stands twice in a list.
+fn is_without_copies(words: &[String]) -> bool {
+    words.iter().collect::<BTreeSet<_>>().len() == words.len()
 }
 
 /// Most estimations of a campaign, so that their numbers and those of their rows stay far from what can be counted.
@@ -166,6 +172,13 @@ impl Campaign {
         need(!self.scenarios.is_empty(), "`scenarios` names no scenario")?;
         need(!self.models.is_empty(), "`models` names no model")?;
         need(!self.methods.is_empty(), "`methods` names no method")?;
+        // A flight that is asked for twice would count as two.
+        need(is_without_copies(&self.scenarios), "`scenarios` names one twice")?;
+        need(is_without_copies(&self.models), "`models` names one twice")?;
+        let methods: Vec<String> = self.methods.iter().map(|method| method.name().to_owned()).collect();
+        need(is_without_copies(&methods), "`methods` names one twice")?;
+        let paths: Vec<String> = self.vary.iter().map(|f| format!("{:?} {}", f.target, f.path)).collect();
+        need(is_without_copies(&paths), "`[[vary]]` has one `path` twice: only one of them would be flown")?;
         need(self.seeds > 0, "`seeds` has to be one or more")?;
         let is_grid = self.design == Design::Grid;
         need(is_grid || self.points.is_some_and(|points| points > 0), "this design needs `points`, their number")?;
@@ -178,7 +191,19 @@ impl Campaign {
             self.vary.len() <= self.design.most_factors(),
             "more factors than the design can have: 21 for Sobol, 100 else",
         )?;
+        need(
+            self.design != Design::Grid || self.design_seed == 0,
+            "a grid has nothing random: `design_seed` belongs to `design = \"latin-hypercube\"`",
+        )?;
         self.vary.iter().try_for_each(|factor| factor.check(is_grid))?;
+        // With values from lists alone there are only so many points, and a design that asks for more has some of them twice.
+        let mut listed = self.vary.iter().map(|factor| factor.values.as_ref().map(Vec::len));
+        let combinations = listed.try_fold(1_usize, |all, length| Some(all.saturating_mul(length?)));
+        need(
+            is_grid || combinations.is_none_or(|all| self.points.unwrap_or(0) as usize <= all),
+            "`points` asks for more points than the values of the factors have combinations, so that flights would count twice: \
+             `design = \"grid\"` without `points` flies each once",
+        )?;
         let limit = |ok: bool, error: CampaignError| if ok { Ok(()) } else { Err(error) };
         let numbers = (self.points.unwrap_or(0) as usize).saturating_mul(self.vary.len());
         let is_laid_out = self.design == Design::LatinHypercube;
@@ -226,10 +251,13 @@ impl Campaign {
         }
     }
 
-    /// Text of a model.
-    pub(super) fn model(&self, name: &str) -> Result<String, CampaignError> {
+    /// Text of a model, and the folder in which its name begins: that of the campaign, or none for a built-in one.
+    pub(super) fn model(&self, name: &str) -> Result<(String, PathBuf), CampaignError> {
         let path = self.folder.join(name);
-        let found = if path.is_file() { path.display().to_string() } else { name.to_owned() };
-        Ok(ModelFile::find_text(&found)?.1)
+        let (found, folder) = match path.is_file() {
+            true => (path.display().to_string(), self.folder.clone()),
+            false => (name.to_owned(), PathBuf::new()),
+        };
+        Ok((ModelFile::find_text(&found)?.1, folder))
     }
 }

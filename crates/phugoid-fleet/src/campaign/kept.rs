@@ -39,7 +39,7 @@ pub struct Kept {
 }
 
 #[derive(Debug, Default)]
-struct KeptModel(Last<(String, Arc<str>), ModelFile>);
+struct KeptModel(Last<(String, PathBuf, Arc<str>), ModelFile>);
 
 /// Name, text and folder of a scenario, and its seed.
 type Flown = (String, Arc<str>, PathBuf, u64);
@@ -67,8 +67,10 @@ impl Kept {
 
 impl KeptModel {
     fn of(&mut self, unit: &Unit) -> Result<&ModelFile, String> {
-        self.0.of((unit.model_name.clone(), Arc::clone(&unit.model)), || {
-            ModelFile::parse(&unit.model_name, &unit.model).map_err(|error| error.to_string())
+        self.0.of((unit.model_name.clone(), unit.model_folder.clone(), Arc::clone(&unit.model)), || {
+            // A `base` is looked for from the folder of the model file; a row does not depend on where that folder is.
+            let file = unit.model_folder.join(&unit.model_name).display().to_string();
+            ModelFile::parse(&file, &unit.model).map_err(|error| error.to_string().replace(&file, &unit.model_name))
         })
     }
 }

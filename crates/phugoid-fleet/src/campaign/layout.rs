@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use phugoid_identification::method::Method;
+use phugoid_identification::model_file::ModelFile;
 use serde_json::json;
 use toml::{Table, Value};
 
@@ -13,7 +14,8 @@ use super::design::{Cube, Design};
 use super::file::{Campaign, CampaignError};
 use super::unit::{NamedFiles, Unit, source_sha256};
 use super::vary::{Factor, Target};
-use crate::key::{Hasher, hash};
+use crate::content::model_sha256;
+use crate::key::{Hasher, hash, key};
 
 /// A file that is varied: as the campaign names it, its text, and its keys with their values.
 struct Base {
@@ -24,6 +26,13 @@ struct Base {
     /// Whether a factor changes it.
     is_varied: bool,
     folder: PathBuf,
+}
+
+impl Base {
+    /// Where the file is.
+    fn place(&self) -> String {
+        self.folder.join(&self.name).display().to_string()
+    }
 }
 
 /// The values of the factors, point by point.
@@ -78,7 +87,15 @@ impl Layout {
             let (text, folder) = campaign.scenario(name)?;
             base(name, text, folder, Target::Scenario)
         };
-        let model = |name: &String| base(name, campaign.model(name)?, PathBuf::new(), Target::Model);
+        let model = |name: &String| -> Result<Base, CampaignError> {
+            let (text, folder) = campaign.model(name)?;
+            let mut model = base(name, text, folder, Target::Model)?;
+            // One that cannot be read is refused when it is used.
+            if let Ok(read) = ModelFile::parse(&model.place(), &model.text) {
+                model.sha256 = model_sha256(&model.text, &read);
+            }
+            Ok(model)
+        };
         let points = match campaign.design {
             Design::Grid => Points::Grid(campaign.vary.iter().map(Factor::grid).collect()),
             design => {
@@ -159,16 +176,30 @@ impl Layout {
         let model_text = self.with(model, &values, Target::Model)?;
         Ok(Unit {
             source_sha256: source_sha256(&flown, seed, &scenario.folder, files),
-            model_sha256: if model.is_varied { hash(model_text.as_bytes()) } else { model.sha256.clone() },
+            model_sha256: self.model_sha256(model, &model_text),
             scenario_name: scenario.name.clone(),
             scenario: flown,
             folder: scenario.folder.clone(),
             model_name: model.name.clone(),
+            model_folder: model.folder.clone(),
             model: model_text,
             method,
             seed,
             factors: self.factors(&values),
         })
+    }
+
+    /// SHA-256 of a model with the values of a point in its text. Unless its `base` is varied, the files of that are those of the file as
+    /// it stands.
+    fn model_sha256(&self, model: &Base, text: &str) -> String {
+        if !model.is_varied {
+            return model.sha256.clone();
+        }
+        let is_base = |factor: &Factor| factor.target == Target::Model && factor.path.split('.').next() == Some("base");
+        match self.vary.iter().any(is_base).then(|| ModelFile::parse(&model.place(), text)) {
+            Some(Ok(read)) => model_sha256(text, &read),
+            _ => key(&[("model", hash(text.as_bytes()).as_str()), ("varied from", &model.sha256)]),
+        }
     }
 
     /// The text of a file with the values of a point in it. Without a factor for it the text stays as it is.
@@ -219,6 +250,7 @@ impl Layout {
         hasher.part("block of", &units.len().to_string());
         hasher.part("scenario", &scenario.name);
         hasher.part("flight", &source_sha256(&scenario.text, 0, &scenario.folder, files));
+        hasher.part("model name", &model.name);
         hasher.part("model", &model_sha256);
         for factor in &self.vary {
             hasher.part("factor", &json!([factor.target, factor.path]).to_string());

@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 use super::kept::Kept;
 use super::layout::{Block, Layout};
 use super::unit::NamedFiles;
-use crate::run::{Progress, RunError, Share, Summary, Work, each, pool, share_out};
+use crate::run::{Progress, RunError, Share, Summary, Work, each, is_refused, pool, share_out};
 use crate::shard::Shard;
 use crate::store::Store;
 
@@ -46,7 +46,7 @@ pub fn one(layout: &Layout, block: &Block, store: &Store) -> Result<Summary, Run
     let (mut rows, mut refused) = (Vec::new(), 0);
     for number in block.units.clone() {
         let of_unit = layout.unit(number, &mut files).map_err(Box::new)?.rows(&block.key, &mut kept);
-        refused += usize::from(of_unit.iter().all(|row| row.parameter.is_none()));
+        refused += usize::from(is_refused(&of_unit));
         rows.extend(of_unit);
     }
     store.write_block(&rows, ("campaign", &block.model_sha256, &block.key), false)?;

@@ -34,9 +34,40 @@ pub struct Score {
     pub interval: [f64; 2],
 }
 
+/// What a campaign asks for without any score: by scenario, model and method.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Unscored {
+    /// Name of the scenario.
+    pub scenario: String,
+    /// Name of the model.
+    pub model: String,
+    /// Name of the method.
+    pub method: String,
+    /// Estimations without any numbers.
+    pub refused: usize,
+    /// The word of the most frequent reason, and one of the messages that give it; empty without refusals.
+    pub refusal: String,
+    /// One of its messages.
+    pub message: String,
+    /// Estimates of parameters whose truth is not known: of a parameter that the scenario does not have.
+    pub without_truth: usize,
+}
+
 /// The columns of the store that are scored.
-pub const COLUMNS: [&str; 10] =
-    ["kind", "scenario", "model", "method", "status", "parameter", "value", "converged_at_s", "truth", "covered"];
+pub const COLUMNS: [&str; 12] = [
+    "kind",
+    "scenario",
+    "model",
+    "method",
+    "status",
+    "refusal",
+    "message",
+    "parameter",
+    "value",
+    "converged_at_s",
+    "truth",
+    "covered",
+];
 
 /// Scenario, model and method.
 type Name = (String, String, String);
@@ -46,8 +77,22 @@ type Name = (String, String, String);
 pub struct Scoring {
     /// By name, and by parameter.
     groups: BTreeMap<Name, BTreeMap<String, Group>>,
-    /// Number of estimations without any numbers, by name.
-    without: BTreeMap<Name, usize>,
+    /// What has no score, by name.
+    without: BTreeMap<Name, Without>,
+}
+
+#[derive(Clone, Debug, Default)]
+struct Without {
+    /// Estimations without any numbers, by the word of the reason, with the first message of it.
+    refused: BTreeMap<String, (usize, String)>,
+    /// Estimates of parameters whose truth is not known.
+    truth: usize,
+}
+
+impl Without {
+    fn count(&self) -> usize {
+        self.refused.values().map(|(count, _)| count).sum()
+    }
 }
 
 /// What is kept of the estimates of one parameter.
@@ -78,17 +123,34 @@ impl Scoring {
                         group.add(row, truth);
                     }
                 }
-                (None, _) => *self.without.entry(name()).or_default() += 1,
-                _ => {}
+                (None, _) => {
+                    let refused = &mut self.without.entry(name()).or_default().refused;
+                    let word = row.refusal.clone().unwrap_or_default();
+                    refused.entry(word).or_insert_with(|| (0, row.message.clone().unwrap_or_default())).0 += 1;
+                }
+                (Some(_), None) => self.without.entry(name()).or_default().truth += 1,
             }
         }
+    }
+
+    /// What has no score, by scenario, model and method.
+    pub fn unscored(&self) -> Vec<Unscored> {
+        let unscored = |(name, without): (&Name, &Without)| {
+            let (scenario, model, method) = name.clone();
+            let most = without.refused.iter().max_by_key(|(_, (count, _))| *count);
+            let (refusal, message) =
+                most.map(|(word, (_, message))| (word.clone(), message.clone())).unwrap_or_default();
+            let (refused, without_truth) = (without.count(), without.truth);
+            Unscored { scenario, model, method, refused, refusal, message, without_truth }
+        };
+        self.without.iter().map(unscored).collect()
     }
 
     /// The scores by scenario, model, method and parameter.
     pub fn scores(self) -> Vec<Score> {
         let Self { groups, without } = self;
         let score = |(name, parameters): (Name, BTreeMap<String, Group>)| {
-            let none = without.get(&name).copied().unwrap_or(0);
+            let none = without.get(&name).map_or(0, Without::count);
             parameters.into_iter().map(move |(parameter, group)| group.score(name.clone(), parameter, none))
         };
         groups.into_iter().flat_map(score).collect()

@@ -9,6 +9,7 @@ use phugoid_identification::method::Method;
 use toml::{Table, Value};
 
 use super::kept::{Kept, Problem};
+use crate::content::aircraft_hashes;
 use crate::key::{VERSION, hash_file, key};
 use crate::row::{Refusal, Row};
 
@@ -23,6 +24,8 @@ pub struct Unit {
     pub folder: PathBuf,
     /// Name of the model, as the campaign calls it.
     pub model_name: String,
+    /// Folder in which the name of the model begins, and with it the path of its `base`; empty for a built-in model.
+    pub model_folder: PathBuf,
     /// Its text, with the values of the factors.
     pub model: Arc<str>,
     /// The method.
@@ -31,7 +34,7 @@ pub struct Unit {
     pub seed: u64,
     /// SHA-256 of the scenario as it is flown: its text, the seed, and the content of every file that the text names.
     pub source_sha256: String,
-    /// SHA-256 of the text of the model.
+    /// SHA-256 of the text of the model, and of the files of its `base`.
     pub model_sha256: String,
     /// The factors with their values, as a JSON object.
     pub factors: Arc<str>,
@@ -44,6 +47,7 @@ impl Unit {
             ("flight", &self.source_sha256),
             ("scenario", &self.scenario_name),
             ("factors", &self.factors),
+            ("model name", &self.model_name),
             ("model", &self.model_sha256),
             ("method", self.method.name()),
         ])
@@ -117,32 +121,17 @@ impl NamedFiles {
                     named.extend_from_slice(hashes);
                     return;
                 }
-                let mut hashes = Vec::new();
-                match key == "file" && path.is_dir() {
-                    // An aircraft in several files.
-                    true => hash_folder(&path, &mut hashes),
-                    false => hashes.extend(hash_file(&path).ok().map(|(hash, _)| hash)),
-                }
+                let hashes = match key == "file" {
+                    // An aircraft, which may be in several files.
+                    true => aircraft_hashes(&path),
+                    false => hash_file(&path).ok().map(|(hash, _)| hash).into_iter().collect(),
+                };
                 if !hashes.is_empty() {
                     named.extend_from_slice(&hashes);
                     self.0.insert(path, hashes);
                 }
             }
             _ => {}
-        }
-    }
-}
-
-/// Hashes of all files in a folder and below it, in the order of their paths.
-fn hash_folder(folder: &Path, files: &mut Vec<String>) {
-    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
-    let mut paths: Vec<PathBuf> = entries.map(|entry| entry.path()).collect();
-    paths.sort();
-    for path in paths {
-        // A link may lead back.
-        match path.is_dir() && !path.is_symlink() {
-            true => hash_folder(&path, files),
-            false => files.extend(hash_file(&path).ok().map(|(hash, _)| hash)),
         }
     }
 }

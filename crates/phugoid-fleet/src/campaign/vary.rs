@@ -75,6 +75,9 @@ pub enum FactorError {
     },
 }
 
+/// Most values of a range in a grid, which are kept in memory.
+const MOST_STEPS: u32 = 1_000_000;
+
 impl Factor {
     /// Checks what the types do not say.
     ///
@@ -83,9 +86,33 @@ impl Factor {
     pub fn check(&self, is_grid: bool) -> Result<(), FactorError> {
         let Self { values, from, to, mean, std, .. } = self;
         let wrong = |problem| Err(FactorError::Range { path: self.path.clone(), problem });
+        // What would be left aside without a word.
+        match (self.target, self.path.as_str()) {
+            (Target::Scenario, "seed") => {
+                return wrong("the seeds are those of the campaign: `seeds = 10`, not a factor");
+            }
+            (Target::Model, "estimator.method") => {
+                return wrong("the methods are those of the campaign: `methods = [\"smpe\", \"ekf\"]`, not a factor");
+            }
+            _ => {}
+        }
+        if self.log && (values.is_some() || mean.is_some()) {
+            return wrong("equal ratios (`log`) are for a range, `from` and `to`");
+        }
+        if self.steps.is_some() && (!is_grid || values.is_some() || mean.is_some()) {
+            return wrong("`steps` is for a range in a grid: other designs take their number from `points`");
+        }
+        if self.unit.is_some() && values.iter().flatten().any(Value::is_str) {
+            return wrong("`unit` is for numbers: write it into the text itself");
+        }
         match (values, from.zip(*to), mean.zip(*std)) {
             (Some(values), None, None) if from.is_none() && to.is_none() && mean.is_none() && std.is_none() => {
-                if values.is_empty() { wrong("`values` is empty") } else { Ok(()) }
+                let copies = values.iter().enumerate().any(|(place, value)| values[..place].contains(value));
+                match (values.is_empty(), copies) {
+                    (true, _) => wrong("`values` is empty"),
+                    (_, true) => wrong("`values` has one value twice, whose flights would count twice"),
+                    _ => Ok(()),
+                }
             }
             (None, Some((from, to)), None) if mean.is_none() && std.is_none() => {
                 if !(from.is_finite() && to.is_finite() && from < to) {
@@ -96,7 +123,8 @@ impl Factor {
                 }
                 match self.steps {
                     None if is_grid => wrong("a grid needs `steps`, the number of values of the range"),
-                    Some(steps) if is_grid && steps < 2 => wrong("`steps` has to be two or more"),
+                    Some(steps) if steps < 2 => wrong("`steps` has to be two or more"),
+                    Some(steps) if steps > MOST_STEPS => wrong("`steps` has to be at most 1,000,000"),
                     _ => Ok(()),
                 }
             }

@@ -6,3 +6,4 @@ pub mod false_discovery;
 pub mod outlier;
 pub mod sharing;
 pub mod tell;
+pub mod unused;

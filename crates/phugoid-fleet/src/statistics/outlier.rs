@@ -19,8 +19,10 @@ pub struct Apart {
 /// How far each airframe lies from the weighted mean of the others; `None` with fewer than three, where nobody could say
 /// which one is the other.
 ///
-/// Each is known to its random part and to what belongs to the airframe; what all share cancels. Where the middle half of
-/// the airframes scatters more than that, airframes of this type differ, and all distances are measured by that scatter.
+/// Each is known to its random part and to what belongs to the airframe; what all share cancels. Where the others scatter about
+/// their own mean by more than that, at a probability below 5 %, airframes of this type differ: the distance is then measured by
+/// the scatter of the middle half of them, and by Student's distribution, since so few tell it. The airframe that is asked about has
+/// no part in it: it would hide itself.
 pub fn airframes(combined: &[Combined]) -> Option<Vec<Apart>> {
     if combined.len() < 3 {
         return None;
@@ -29,20 +31,32 @@ pub fn airframes(combined: &[Combined]) -> Option<Vec<Apart>> {
     let weight = |c: &Combined| 1.0 / variance(c);
     let (all, sum): (f64, f64) =
         combined.iter().fold((0.0, 0.0), |(all, sum), c| (all + weight(c), sum + weight(c) * c.value));
-    let mut apart: Vec<(f64, f64)> = combined
-        .iter()
-        .map(|c| {
-            let others = all - weight(c);
-            let distance = c.value - (sum - weight(c) * c.value) / others;
-            (distance, distance / (variance(c) + 1.0 / others).sqrt())
-        })
-        .collect();
-    let mut sizes: Vec<f64> = apart.iter().map(|(_, sigmas)| sigmas.abs()).collect();
-    // Half of all standard normal numbers are within 0.6745.
-    let scatter = (median(&mut sizes).unwrap_or(0.0) / 0.6745).max(1.0);
-    apart.iter_mut().for_each(|(_, sigmas)| *sigmas /= scatter);
-    let told = |(distance, sigmas)| Apart { distance, sigmas, p_value: normal_two_sided(sigmas) };
-    Some(apart.into_iter().map(told).collect())
+    let freedom = (combined.len() - 2) as f64;
+    let mut sizes = Vec::with_capacity(combined.len());
+    let mut of_one = |own: usize, c: &Combined| {
+        let others = all - weight(c);
+        let mean = (sum - weight(c) * c.value) / others;
+        let each = || combined.iter().enumerate().filter(|(other, _)| *other != own).map(|(_, other)| other);
+        let chi_squared: f64 = each().map(|other| weight(other) * (other.value - mean).powi(2)).sum();
+        let distance = c.value - mean;
+        let claimed = distance / (variance(c) + 1.0 / others).sqrt();
+        if !is_beyond_chance(chi_squared, freedom) {
+            return Apart { distance, sigmas: claimed, p_value: normal_two_sided(claimed) };
+        }
+        sizes.clear();
+        // A mean lies near to each of those that it is made of.
+        sizes.extend(each().map(|o| (o.value - mean).abs() / (variance(o) - 1.0 / others).max(0.0).sqrt()));
+        // Half of all standard normal numbers are within 0.6745.
+        let sigmas = claimed / (median(&mut sizes).unwrap_or(0.0) / 0.6745).max(1.0);
+        Apart { distance, sigmas, p_value: student_two_sided(sigmas, freedom) }
+    };
+    Some(combined.iter().enumerate().map(|(own, c)| of_one(own, c)).collect())
+}
+
+/// Whether chi squared of so many degrees of freedom is as large in less than 5 % (Wilson and Hilferty 1931).
+fn is_beyond_chance(chi_squared: f64, freedom: f64) -> bool {
+    let spread = 2.0 / (9.0 * freedom);
+    (libm::cbrt(chi_squared / freedom) - (1.0 - spread)) / spread.sqrt() > 1.645
 }
 
 /// How far each flight lies from the course that the other flights of its airframe make; `None` where too few are left.
@@ -100,6 +114,21 @@ mod tests {
         }
         assert!(found > 140 && falsely < 20 && none < 20, "{found} {falsely} {none}");
         assert!(airframes(&[mean(0.0), mean(9.0)]).is_none());
+    }
+
+    /// With five airframes, the one that reads wrong is as far from the mean of all as its own share of the scatter lets it be.
+    #[test]
+    fn an_airframe_apart_does_not_hide_itself_in_a_small_fleet() {
+        let mut generator = Pcg64Mcg::seed_from_u64(9);
+        let mut found = 0;
+        for _ in 0..200 {
+            let mut fleet: Vec<Combined> = (0..5).map(|_| mean(0.51 * normal(&mut generator))).collect();
+            fleet[1].value += 5.0;
+            let p: Vec<f64> = airframes(&fleet).unwrap().iter().map(|a| a.p_value).collect();
+            let told: Vec<usize> = rates(&p).iter().enumerate().filter(|(_, r)| **r <= 0.05).map(|(k, _)| k).collect();
+            found += usize::from(told == [1]);
+        }
+        assert!(found > 150, "{found}");
     }
 
     #[test]

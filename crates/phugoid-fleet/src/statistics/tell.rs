@@ -1,6 +1,6 @@
 //! From the rows of a store to what the fleet tells.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
 use phugoid_evaluation::statistics::clopper_pearson;
 use serde::Serialize;
@@ -9,8 +9,10 @@ use super::course::{Change, Combined, Fit, Observation, combine, constant, drift
 use super::false_discovery::rates;
 use super::outlier::{self, Apart};
 use super::sharing::{Owner, part_of};
+use super::unused::{Unused, judge_unused};
 use crate::logs::{LogRow, natural};
 use crate::row::{QUANTITIES, Row};
+use crate::unit::Segments;
 
 /// How a store is judged.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,7 +20,7 @@ pub struct Question {
     /// Part of the findings that may be false, above 0 and below 1.
     pub false_discoveries: f64,
     /// Words that the rows have to fit, each of them: the name of the model, the first digits of its hash (eight or more), the
-    /// method, or the version. Needed where a store has results of several.
+    /// method, the version, or the kind of segments (`manoeuvres` or `whole`). Needed where a store has results of several.
     pub only: Vec<String>,
     /// What a course runs over.
     pub over: Over,
@@ -51,13 +53,13 @@ pub enum TellError {
         rate: f64,
     },
     /// No estimate of a log fits.
-    #[error("the store has no estimates of logs{}", if only.is_empty() { String::new() } else { format!(" that fit {}", only.join(", ")) })]
+    #[error("the store has no estimates of logs{}", if only.is_empty() { String::new() } else { format!(" that fit {}. Of the hash of a model eight digits or more are needed", only.join(", ")) })]
     Nothing {
         /// The words of the question.
         only: Vec<String>,
     },
     /// Results that must not be mixed.
-    #[error("the store has results of several models, methods or versions: {}. Choose by --only", sets.iter().map(Set::to_string).collect::<Vec<_>>().join("; "))]
+    #[error("the store has results of several models, methods, versions or kinds of segments, which must not be mixed: {}. Choose by --only", sets.iter().map(Set::to_string).collect::<Vec<_>>().join("; "))]
     Several {
         /// What there is.
         sets: Vec<Set>,
@@ -81,24 +83,38 @@ pub struct Set {
     pub method: String,
     /// The version of the program.
     pub version: String,
+    /// What was estimated of each flight: `manoeuvres` or `whole`.
+    pub segments: String,
 }
 
 impl std::fmt::Display for Set {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let digits = self.model_sha256.get(..12).unwrap_or(&self.model_sha256);
-        write!(f, "{} ({digits}) {} {}", self.model, self.method, self.version)
+        write!(f, "{} ({digits}) {} {} {}", self.model, self.method, self.version, self.segments)
     }
 }
 
 impl Set {
     fn of(row: &Row) -> Self {
-        let Row { model, model_sha256, method, version, .. } = row.clone();
-        Self { model, model_sha256, method, version }
+        let Row { model, model_sha256, method, version, segment, .. } = row.clone();
+        let segments = match segment {
+            // The whole flight has the number 0; a flight that was refused as a whole says nothing of it.
+            Some(0) => Segments::Whole.word(),
+            Some(_) => Segments::Manoeuvres.word(),
+            None => "",
+        };
+        Self { model, model_sha256, method, version, segments: segments.to_owned() }
+    }
+
+    /// Whether a row belongs to it: a flight that was refused as a whole belongs to each kind of segments.
+    fn has(&self, row: &Row) -> bool {
+        let own = Self::of(row);
+        own == *self || (own.segments.is_empty() && Self { segments: self.segments.clone(), ..own } == *self)
     }
 
     fn fits(&self, word: &str) -> bool {
         let is_hash = word.len() >= 8 && self.model_sha256.starts_with(word);
-        is_hash || [&self.model, &self.method, &self.version].iter().any(|own| *own == word)
+        is_hash || [&self.model, &self.method, &self.version, &self.segments].iter().any(|own| *own == word)
     }
 }
 
@@ -113,6 +129,8 @@ pub struct Findings {
     pub over: Over,
     /// Number of logs.
     pub logs: usize,
+    /// What the reader should know of how the logs were taken, in sentences.
+    pub notes: Vec<String>,
     /// Why logs and segments have no numbers: the word, and how many.
     pub refused: BTreeMap<String, usize>,
     /// The airframes in the order of their names.
@@ -128,8 +146,10 @@ pub struct Airframe {
     pub name: String,
     /// Number of its logs.
     pub logs: usize,
-    /// The course of each parameter, in the order of their names.
+    /// The course of each parameter, in the order of their names; none of a parameter without a single estimate that can be used.
     pub courses: Vec<Course>,
+    /// Its logs of which no estimate can be used, and why.
+    pub unused: Unused,
 }
 
 /// What a course does.
@@ -222,51 +242,110 @@ pub fn tell(rows: &[Row], logs: &[LogRow], question: &Question) -> Result<Findin
     if !(rate > 0.0 && rate < 1.0) {
         return Err(TellError::Rate { rate });
     }
+    let set = the_set(rows, &question.only)?;
+    let (logs, mut notes) = one_for_each_path(logs);
+    let known: HashSet<&str> = logs.iter().map(|log| log.log_sha256.as_str()).collect();
+    // A store of an earlier version may have one result under two keys.
+    let mut taken = HashSet::new();
     let rows: Vec<&Row> = rows
         .iter()
-        .filter(|row| row.kind == "log" && question.only.iter().all(|word| Set::of(row).fits(word)))
+        .filter(|row| row.kind == "log" && set.has(row))
+        .filter(|row| row.source_sha256.as_deref().is_none_or(|hash| known.contains(hash)))
+        .filter(|row| {
+            let Row { source_sha256, segment, parameter, .. } = row;
+            source_sha256.is_none() || taken.insert((source_sha256, segment, parameter))
+        })
         .collect();
-    let sets: BTreeSet<Set> = rows.iter().map(|row| Set::of(row)).collect();
-    let mut sets: Vec<Set> = sets.into_iter().collect();
-    if sets.len() > 1 {
-        return Err(TellError::Several { sets });
-    }
-    let Some(set) = sets.pop() else { return Err(TellError::Nothing { only: question.only.clone() }) };
     let mut refused = BTreeMap::new();
     for word in rows.iter().filter_map(|row| row.refusal.clone()) {
         *refused.entry(word).or_insert(0) += 1;
     }
-    let mut airframes = airframes(&rows, logs, question.over)?;
+    let mut airframes = airframes(&rows, &logs, question.over, &mut notes)?;
+    let logs = airframes.iter().map(|airframe| airframe.logs).sum();
+    judge_unused(&mut airframes.iter_mut().map(|airframe| &mut airframe.unused).collect::<Vec<_>>(), rate);
     judge_changes(&mut airframes, rate);
     judge_outliers(&mut airframes, rate);
     let coverage = judge_flights(&mut airframes, rate);
     let (false_discoveries, over) = (rate, question.over);
-    Ok(Findings { set, false_discoveries, over, logs: logs.len(), refused, airframes, coverage })
+    Ok(Findings { set, false_discoveries, over, logs, notes, refused, airframes, coverage })
+}
+
+/// The results that the words choose, which have to be of one kind.
+fn the_set(rows: &[Row], only: &[String]) -> Result<Set, TellError> {
+    let sets: BTreeSet<Set> = rows.iter().filter(|row| row.kind == "log").map(Set::of).collect();
+    // What says nothing of the kind of segments belongs to one that does.
+    let is_of_another = |set: &Set| {
+        set.segments.is_empty()
+            && sets
+                .iter()
+                .any(|other| !other.segments.is_empty() && Set { segments: String::new(), ..other.clone() } == *set)
+    };
+    let fitting = sets.iter().filter(|set| !is_of_another(set) && only.iter().all(|word| set.fits(word)));
+    let mut fitting: Vec<Set> = fitting.cloned().collect();
+    if fitting.len() > 1 {
+        return Err(TellError::Several { sets: fitting });
+    }
+    fitting.pop().ok_or_else(|| TellError::Nothing { only: only.to_vec() })
+}
+
+/// The logs, of each path one: where a file was estimated, and again after it had grown, the longest holds what the others hold.
+fn one_for_each_path(logs: &[LogRow]) -> (Vec<&LogRow>, Vec<String>) {
+    let mut longest: HashMap<&str, &LogRow> = HashMap::new();
+    for log in logs {
+        let kept = longest.entry(&log.path).or_insert(log);
+        if log.bytes > kept.bytes {
+            *kept = log;
+        }
+    }
+    let kept = |log: &&LogRow| longest.get(log.path.as_str()).is_some_and(|kept| kept.log_sha256 == log.log_sha256);
+    let left: Vec<&LogRow> = logs.iter().filter(|log| !kept(log)).collect();
+    let notes = left.first().map(|log| {
+        format!(
+            "{} results are of files that had another content later ({}, ...): of each path the longest content counts. If a file \
+             was made shorter on purpose, name a new store",
+            left.len(),
+            log.path
+        )
+    });
+    (logs.iter().filter(kept).collect(), notes.into_iter().collect())
 }
 
 /// A point with its budget, which is needed for the mean alone.
 type WithBudget = (Point, [f64; QUANTITIES]);
 
-fn airframes(rows: &[&Row], logs: &[LogRow], over: Over) -> Result<Vec<Airframe>, TellError> {
+fn airframes(rows: &[&Row], logs: &[&LogRow], over: Over, notes: &mut Vec<String>) -> Result<Vec<Airframe>, TellError> {
     let mut by_log: BTreeMap<&str, Vec<&Row>> = BTreeMap::new();
     for row in rows {
         by_log.entry(row.source_sha256.as_deref().unwrap_or_default()).or_default().push(row);
     }
     let mut fleet: BTreeMap<&str, Vec<&LogRow>> = BTreeMap::new();
     for log in logs.iter().filter(|log| by_log.contains_key(log.log_sha256.as_str())) {
-        fleet.entry(&log.airframe).or_default().push(log);
+        fleet.entry(&log.airframe).or_default().push(*log);
     }
     let mut airframes = Vec::new();
     for (name, mut logs) in fleet {
         logs.sort_by_cached_key(|log| natural(&log.path));
-        let is_numbered = logs.iter().all(|log| log.flight.is_some());
+        let numbered = logs.iter().filter(|log| log.flight.is_some()).count();
+        let is_numbered = numbered == logs.len();
+        if over == Over::Flights && !is_numbered && numbered > 0 {
+            let without = logs.iter().find(|log| log.flight.is_none()).map_or("", |log| &log.path);
+            notes.push(format!(
+                "{name}: {} of {} logs have no `flight` in the table of flights ({without}, ...): its flights are taken in the order \
+                 of their names. Give each a number, or drifts and steps may be of the wrong order",
+                logs.len() - numbered,
+                logs.len()
+            ));
+        }
+        let mut unused = Unused::default();
         let mut courses: BTreeMap<&str, (String, usize, Vec<WithBudget>)> = BTreeMap::new();
         for (place, log) in logs.iter().enumerate() {
             let at = match over {
                 Over::Flights => log.flight.filter(|_| is_numbered).unwrap_or((place + 1) as f64),
                 Over::Hours => log.hours.ok_or_else(|| TellError::NoHours { log: log.path.clone() })?,
             };
-            for row in by_log.get(log.log_sha256.as_str()).into_iter().flatten() {
+            let of_log = || by_log.get(log.log_sha256.as_str()).into_iter().flatten();
+            unused.count(of_log().copied(), |row| point(row, log, at).is_some());
+            for row in of_log() {
                 let Some(parameter) = row.parameter.as_deref().filter(|_| row.nuisance != Some(true)) else { continue };
                 let course = courses.entry(parameter).or_default();
                 match point(row, log, at) {
@@ -282,7 +361,7 @@ fn airframes(rows: &[&Row], logs: &[LogRow], over: Over) -> Result<Vec<Airframe>
             points.sort_by(|(a, _), (b, _)| a.at.total_cmp(&b.at));
             course(parameter, unit, left_out, points)
         });
-        airframes.push(Airframe { name: name.to_owned(), logs: logs.len(), courses: courses.collect() });
+        airframes.push(Airframe { name: name.to_owned(), logs: logs.len(), courses: courses.collect(), unused });
     }
     airframes.sort_by_cached_key(|airframe| natural(&airframe.name));
     Ok(airframes)

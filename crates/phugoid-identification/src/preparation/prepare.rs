@@ -55,6 +55,14 @@ fn slowness(slow: &SlowSurface, is_straight: bool) -> String {
     )
 }
 
+/// Says that single values were taken from a surface.
+fn spikes(name: &str, count: usize) -> String {
+    format!(
+        "{count} single values of the recorded {name} stand alone far from both neighbours, and no surface moves so: each was put on \
+         the straight line between them. Check the recorder"
+    )
+}
+
 /// Says that a surface was smoothed.
 fn smoothing(name: &str, noise: SurfaceNoise) -> Option<String> {
     (noise.left < noise.share).then(|| {
@@ -244,6 +252,11 @@ fn collect<M: Motion<N, R>, const N: usize, const R: usize>(
         signal.values.drain(..first);
         let is_surface = Axes::SURFACES.contains(&signal.name.as_str());
         let mut slow = is_surface.then(|| SlowSurface::of(&signal.name, &time, &signal.values)).flatten();
+        // In flight nobody knows whether the next value comes back.
+        if is_surface && slow.is_none() && sight == Sight::Whole {
+            let count = surface::take_spikes(&time, &mut signal.values);
+            notes.extend((count > 0).then(|| spikes(&signal.name, count)));
+        }
         let noise = match &mut slow {
             Some(slow) => sight.take_noise(&slow.time_s, &mut slow.values),
             None if is_surface => sight.take_noise(&time, &mut signal.values),

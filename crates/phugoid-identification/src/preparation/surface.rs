@@ -67,6 +67,50 @@ pub(crate) fn smooth(time_s: &[f64], values: &mut [f64]) -> Option<SurfaceNoise>
     Some(SurfaceNoise { left: noise.share * smoothed.variance, ..noise })
 }
 
+/// Longest step of a record, s, of which a single value that stands alone is none of the surface: to go there and back within two
+/// of them takes hundreds of degrees per second for a few degrees. Slower records may miss all of a pulse but one sample: up to a
+/// second limit, s, it has to be faster than this, rad/s, which no surface is with a load on it.
+const SPIKE_STEP_S: f64 = 0.05;
+const SLOWEST_SPIKE_STEP_S: f64 = 0.11;
+const SPIKE_RATE: f64 = 1.0;
+/// A single value stands alone if it is farther from both neighbours than so many sigmas of the noise, ...
+const SPIKE_SIGMAS: f64 = 8.0;
+/// ... and than so many times what the values around it move from one to the next, of which the middle one of three counts, ...
+const SPIKE_MOVES: f64 = 4.0;
+/// ... while the neighbours are no farther from each other than this part of it: an edge does not come back.
+const SPIKE_RETURN: f64 = 0.5;
+/// Beyond this part of the samples it is the surface that is so, or a record that nothing can be taken from.
+const MOST_SPIKES: f64 = 0.05;
+
+/// Puts single values that no surface has (rad, NaN where missing) on the straight line between their neighbours, and gives their
+/// number.
+///
+/// A method takes the known inputs as exact: to a wild value the aircraft does not answer, and the derivative by the surface is
+/// estimated from such values alone, since they are by far the largest motion in the record.
+pub(crate) fn take_spikes(time_s: &[f64], values: &mut [f64]) -> usize {
+    let Some(step) = median_step(time_s).filter(|step| *step <= SLOWEST_SPIKE_STEP_S) else { return 0 };
+    let least = if step > SPIKE_STEP_S { SPIKE_RATE * step } else { 0.0 };
+    let noise_std = measure_noise(values).map_or(0.0, |noise| noise.std);
+    let is_spike = |x: &[f64]| {
+        let apart =
+            if (x[2] - x[1]) * (x[2] - x[3]) > 0.0 { (x[2] - x[1]).abs().min((x[2] - x[3]).abs()) } else { 0.0 };
+        let back = (x[3] - x[1]).abs();
+        let mut moves = [(x[1] - x[0]).abs(), (x[4] - x[3]).abs(), back];
+        moves.sort_by(f64::total_cmp);
+        apart > least.max(SPIKE_SIGMAS * noise_std) && apart > SPIKE_MOVES * moves[1] && back < SPIKE_RETURN * apart
+    };
+    let found = values.windows(5).enumerate().filter(|(_, x)| is_spike(x)).map(|(k, _)| k + 2);
+    let found: Vec<usize> = found.collect();
+    if found.len() as f64 > MOST_SPIKES * values.len() as f64 {
+        return 0;
+    }
+    for k in &found {
+        let part = (time_s[*k] - time_s[k - 1]) / (time_s[k + 1] - time_s[k - 1]);
+        values[*k] = values[k - 1] + part * (values[k + 1] - values[k - 1]);
+    }
+    found.len()
+}
+
 struct Smoothed {
     values: Vec<f64>,
     /// Mean variance of the values, as a part of that of the noise.
@@ -225,5 +269,40 @@ mod tests {
         let (kept, of): (Vec<f64>, Vec<f64>) = values.iter().zip(&truth).filter(|(v, _)| v.is_finite()).unzip();
         assert!(values[53].is_nan());
         assert!(mean_square(&kept, &of) < 0.3 * 0.00175_f64.powi(2));
+    }
+
+    #[test]
+    fn single_values_that_no_surface_has_go_and_motion_stays() {
+        let (time, truth) = motion();
+        let mut random = noise();
+        for noise_std in [0.0, 0.0002] {
+            let clean: Vec<f64> = truth.iter().map(|v| v + noise_std * random()).collect();
+            let mut untouched = clean.clone();
+            assert_eq!(take_spikes(&time, &mut untouched), 0);
+            assert_eq!(untouched, clean);
+            // Some far, some by a quarter of what the surface moves, near to one another and alone.
+            let mut values = clean.clone();
+            let places = [60, 150, 152, 290, 333, 900, 1260, 1550];
+            for (number, place) in places.into_iter().enumerate() {
+                values[place] += [0.35, -0.35, 0.02, -0.01][number % 4];
+            }
+            assert_eq!(take_spikes(&time, &mut values), places.len(), "{noise_std}");
+            assert!(places.iter().all(|k| (values[*k] - truth[*k]).abs() < 0.002), "{noise_std}");
+        }
+        // Steps that are held, a pulse of two samples, one step of a coarse recorder, and a record too slow to tell.
+        let shape = |pulse: &dyn Fn(usize) -> f64| (0..400).map(pulse).collect::<Vec<f64>>();
+        let steps = shape(&|k| if (k / 20) % 2 == 0 { 0.02 } else { -0.02 });
+        let pulses = shape(&|k| if k % 50 < 2 { 0.05 } else { 0.0 });
+        let flicker = shape(&|k| if k % 37 == 5 { 0.001 } else { 0.0 });
+        for mut values in [steps, pulses, flicker] {
+            assert_eq!(take_spikes(&time[..400], &mut values), 0);
+        }
+        let times = |factor: f64| time.iter().map(|t| factor * t).collect::<Vec<f64>>();
+        let of = |times: &[f64], size: f64| {
+            let mut values = truth.clone();
+            values[700] += size;
+            take_spikes(times, &mut values)
+        };
+        assert_eq!((of(&times(5.0), 0.3), of(&times(5.0), 0.06), of(&times(10.0), 0.3)), (1, 0, 0));
     }
 }
