@@ -10,18 +10,25 @@ use phugoid_identification::model_file::ModelFile;
 
 use crate::key::{hash, hash_file, key};
 
-/// SHA-256 of what a model file says: of its text, and if it has a `base` with files, of these as well.
-pub(crate) fn model_sha256(text: &str, model: &ModelFile) -> String {
+/// SHA-256 of what a model file says: of its text, and if it has a `base` with files, of these as well, as [`base_hashes`] gives them.
+pub(crate) fn model_sha256(text: &str, base: &[String]) -> String {
     let of_text = hash(text.as_bytes());
-    let Some(known) = &model.known else { return of_text };
-    let hashes = match known.files() {
-        Ok(files) => hashes(&files),
-        // It has been read a moment ago. What can be said of it now is that it is another one.
-        Err(error) => vec![error.to_string()],
-    };
+    if base.is_empty() {
+        return of_text;
+    }
     let mut parts = vec![("model", of_text.as_str())];
-    parts.extend(hashes.iter().map(|hash| ("base", hash.as_str())));
+    parts.extend(base.iter().map(|hash| ("base", hash.as_str())));
     key(&parts)
+}
+
+/// Hashes of the files of the `base` of a model; none without a `base` in files.
+pub(crate) fn base_hashes(model: &ModelFile) -> Vec<String> {
+    match model.known.as_ref().map(|known| known.files()) {
+        None => Vec::new(),
+        Some(Ok(files)) => hashes(&files),
+        // It has been read a moment ago. What can be said of it now is that it is another one.
+        Some(Err(error)) => vec![error.to_string()],
+    }
 }
 
 /// Hashes of all files that an aircraft is made of, which stands at a path: a folder with everything in it; a file with those that
@@ -31,6 +38,9 @@ pub(crate) fn aircraft_hashes(path: &Path) -> Vec<String> {
         let mut found = Vec::new();
         hash_folder(path, &mut found);
         return found;
+    }
+    if !path.exists() {
+        return Vec::new();
     }
     let is_model = path.extension().is_some_and(|end| end.eq_ignore_ascii_case("toml"));
     let named = match is_model {
@@ -59,5 +69,90 @@ fn hash_folder(folder: &Path, found: &mut Vec<String>) {
             true => hash_folder(&path, found),
             false => found.extend(hash_file(&path).ok().map(|(hash, _)| hash)),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::unit::{Segments, Task};
+
+    const MODEL: &str = r#"
+axes = ["longitudinal"]
+base = "glider.xml"
+[aircraft]
+thrust = 0
+air_density = "standard_atmosphere"
+reference_speed = 30
+[coefficients]
+Cm = ["alpha", "q_hat"]
+[reference]
+altitude = 1000
+[parameters]
+dCm_alpha = { bounds = [-1, 1] }
+dCm_q = { bounds = [-15, 15] }
+"#;
+
+    /// A folder with a glider of JSBSim that names the file of a system, and a model file with the glider as its `base`.
+    struct Folder(PathBuf);
+
+    impl Folder {
+        fn new(name: &str) -> Self {
+            let folder = std::env::temp_dir().join(format!("phugoid-content-{name}-{}", std::process::id()));
+            std::fs::create_dir_all(&folder).unwrap();
+            let tests = Path::new(env!("CARGO_MANIFEST_DIR")).join("../phugoid-aircraft/tests/integration/jsbsim");
+            let glider = std::fs::read_to_string(tests.join("glider.xml")).unwrap();
+            let glider = glider.replace("</fdm_config>", "<system file=\"vario\"/></fdm_config>");
+            std::fs::write(folder.join("glider.xml"), glider).unwrap();
+            std::fs::write(folder.join("vario.xml"), "<system name=\"vario\"/>").unwrap();
+            std::fs::write(folder.join("glider.toml"), MODEL).unwrap();
+            Self(folder)
+        }
+
+        /// Replaces something in a file.
+        fn change(&self, file: &str, from: &str, to: &str) {
+            let text = std::fs::read_to_string(self.0.join(file)).unwrap();
+            assert!(text.contains(from), "{file}");
+            std::fs::write(self.0.join(file), text.replace(from, to)).unwrap();
+        }
+
+        fn task(&self) -> Task {
+            Task::open(&self.0.join("glider.toml").display().to_string(), None, Segments::Whole).unwrap()
+        }
+    }
+
+    impl Drop for Folder {
+        fn drop(&mut self) {
+            std::fs::remove_dir_all(&self.0).unwrap();
+        }
+    }
+
+    #[test]
+    fn a_key_changes_with_every_file_of_the_base() {
+        let folder = Folder::new("base");
+        let before = folder.task();
+        assert_eq!(before.key("log"), folder.task().key("log"));
+        folder.change("vario.xml", "/>", "></system>");
+        let system = folder.task();
+        assert_ne!(system.model_sha256(), before.model_sha256());
+        folder.change("glider.xml", "</fdm_config>", " </fdm_config>");
+        let aircraft = folder.task();
+        assert!(aircraft.key("log") != system.key("log") && aircraft.model_text() == before.model_text());
+    }
+
+    #[test]
+    fn an_aircraft_is_all_its_files_and_what_is_not_there_is_none() {
+        let folder = Folder::new("aircraft");
+        assert_eq!(aircraft_hashes(&folder.0.join("glider.xml")).len(), 2);
+        assert_eq!(aircraft_hashes(&folder.0.join("glider.toml")).len(), 3);
+        assert_eq!(aircraft_hashes(&folder.0).len(), 3);
+        assert!(aircraft_hashes(Path::new("hfb320")).is_empty());
+    }
+
+    #[test]
+    fn a_method_that_is_named_and_the_same_one_of_the_model_are_one_task() {
+        let task = |method| Task::open("hfb320", method, Segments::Whole).unwrap().key("log");
+        let own = ModelFile::named("hfb320").unwrap().estimator.method;
+        assert_eq!(task(None), task(Some(own)));
     }
 }

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 /// Version of the schema of [`Row`] and [`LogRow`](crate::logs::LogRow). It is part of every key, so that rows of two
 /// schemas never stand under one key, and it changes whenever a column changes its name, type or meaning.
 pub const SCHEMA: u32 = 1;
+
 /// The file by which the folder of a store is known; it holds the number of the schema.
 pub(crate) const STORE_MARK: &str = "phugoid-fleet-store.txt";
 

@@ -10,7 +10,7 @@ use phugoid_identification::manoeuvres::{Settings, find};
 use phugoid_identification::method::Method;
 use phugoid_identification::model_file::{ModelError, ModelFile, ModelFileError};
 
-use crate::content::model_sha256;
+use crate::content::{base_hashes, model_sha256};
 use crate::key::{VERSION, key};
 use crate::row::{Refusal, Row, finite};
 
@@ -61,7 +61,7 @@ impl Task {
     /// [`ModelFileError`]: the text is wrong.
     pub fn parse(name: &str, text: String, method: Option<Method>, segments: Segments) -> Result<Self, ModelFileError> {
         let model = ModelFile::parse(name, &text)?;
-        let model_sha256 = model_sha256(&text, &model);
+        let model_sha256 = model_sha256(&text, &base_hashes(&model));
         Ok(Self { model, model_text: text, model_sha256, method, segments })
     }
 

@@ -192,8 +192,8 @@ impl Campaign {
             "more factors than the design can have: 21 for Sobol, 100 else",
         )?;
         need(
-            self.design != Design::Grid || self.design_seed == 0,
-            "a grid has nothing random: `design_seed` belongs to `design = \"latin-hypercube\"`",
+            matches!(self.design, Design::LatinHypercube | Design::Random) || self.design_seed == 0,
+            "a grid and Sobol points have nothing random: `design_seed` belongs to \"latin-hypercube\" and \"random\"",
         )?;
         self.vary.iter().try_for_each(|factor| factor.check(is_grid))?;
         // With values from lists alone there are only so many points, and a design that asks for more has some of them twice.

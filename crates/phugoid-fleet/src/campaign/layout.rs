@@ -14,14 +14,16 @@ use super::design::{Cube, Design};
 use super::file::{Campaign, CampaignError};
 use super::unit::{NamedFiles, Unit, source_sha256};
 use super::vary::{Factor, Target};
-use crate::content::model_sha256;
-use crate::key::{Hasher, hash, key};
+use crate::content::{base_hashes, model_sha256};
+use crate::key::{Hasher, hash};
 
 /// A file that is varied: as the campaign names it, its text, and its keys with their values.
 struct Base {
     name: String,
     text: Arc<str>,
     sha256: String,
+    /// Hashes of the files of the `base` of a model, as the file stands.
+    base: Vec<String>,
     table: Table,
     /// Whether a factor changes it.
     is_varied: bool,
@@ -81,7 +83,7 @@ impl Layout {
             // A file that is not varied is read by what reads it anyway, whose messages are better.
             let table = if is_varied { toml::from_str(&text).map_err(wrong)? } else { Table::new() };
             let sha256 = hash(text.as_bytes());
-            Ok(Base { name: name.to_owned(), text: text.into(), sha256, table, is_varied, folder })
+            Ok(Base { name: name.to_owned(), text: text.into(), sha256, base: Vec::new(), table, is_varied, folder })
         };
         let scenario = |name: &String| {
             let (text, folder) = campaign.scenario(name)?;
@@ -92,7 +94,8 @@ impl Layout {
             let mut model = base(name, text, folder, Target::Model)?;
             // One that cannot be read is refused when it is used.
             if let Ok(read) = ModelFile::parse(&model.place(), &model.text) {
-                model.sha256 = model_sha256(&model.text, &read);
+                model.base = base_hashes(&read);
+                model.sha256 = model_sha256(&model.text, &model.base);
             }
             Ok(model)
         };
@@ -197,8 +200,10 @@ impl Layout {
         }
         let is_base = |factor: &Factor| factor.target == Target::Model && factor.path.split('.').next() == Some("base");
         match self.vary.iter().any(is_base).then(|| ModelFile::parse(&model.place(), text)) {
-            Some(Ok(read)) => model_sha256(text, &read),
-            _ => key(&[("model", hash(text.as_bytes()).as_str()), ("varied from", &model.sha256)]),
+            Some(Ok(read)) => model_sha256(text, &base_hashes(&read)),
+            // One that cannot be read is refused when it is used.
+            Some(Err(_)) => model_sha256(text, &[]),
+            None => model_sha256(text, &model.base),
         }
     }
 

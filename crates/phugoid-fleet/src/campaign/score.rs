@@ -45,9 +45,9 @@ pub struct Unscored {
     pub method: String,
     /// Estimations without any numbers.
     pub refused: usize,
-    /// The word of the most frequent reason, and one of the messages that give it; empty without refusals.
+    /// The word of the most frequent reason (column `refusal`); empty without refusals.
     pub refusal: String,
-    /// One of its messages.
+    /// The first message that gives it; empty without refusals.
     pub message: String,
     /// Estimates of parameters whose truth is not known: of a parameter that the scenario does not have.
     pub without_truth: usize,

@@ -96,20 +96,26 @@ impl std::fmt::Display for Set {
 
 impl Set {
     fn of(row: &Row) -> Self {
-        let Row { model, model_sha256, method, version, segment, .. } = row.clone();
-        let segments = match segment {
+        let [model, model_sha256, method, version, segments] = Self::words(row).map(str::to_owned);
+        Self { model, model_sha256, method, version, segments }
+    }
+
+    /// What a row says of the fields, in their order.
+    fn words(row: &Row) -> [&str; 5] {
+        let segments = match row.segment {
             // The whole flight has the number 0; a flight that was refused as a whole says nothing of it.
             Some(0) => Segments::Whole.word(),
             Some(_) => Segments::Manoeuvres.word(),
             None => "",
         };
-        Self { model, model_sha256, method, version, segments: segments.to_owned() }
+        [&row.model, &row.model_sha256, &row.method, &row.version, segments]
     }
 
     /// Whether a row belongs to it: a flight that was refused as a whole belongs to each kind of segments.
     fn has(&self, row: &Row) -> bool {
-        let own = Self::of(row);
-        own == *self || (own.segments.is_empty() && Self { segments: self.segments.clone(), ..own } == *self)
+        let [of_row @ .., segments] = Self::words(row);
+        let own: [&str; 4] = [&self.model, &self.model_sha256, &self.method, &self.version];
+        own == of_row && (segments.is_empty() || segments == self.segments)
     }
 
     fn fits(&self, word: &str) -> bool {
@@ -301,8 +307,9 @@ fn one_for_each_path(logs: &[LogRow]) -> (Vec<&LogRow>, Vec<String>) {
     let left: Vec<&LogRow> = logs.iter().filter(|log| !kept(log)).collect();
     let notes = left.first().map(|log| {
         format!(
-            "{} results are of files that had another content later ({}, ...): of each path the longest content counts. If a file \
-             was made shorter on purpose, name a new store",
+            "{} of the logs in the store have a path that another log has too ({}, ...), as a file that has grown: of each path \
+             the longest counts, the others are left out. If they are several flights, because relative paths were given from several \
+             folders, or a file was made shorter on purpose, use a new store, with full paths",
             left.len(),
             log.path
         )
@@ -343,19 +350,21 @@ fn airframes(rows: &[&Row], logs: &[&LogRow], over: Over, notes: &mut Vec<String
                 Over::Flights => log.flight.filter(|_| is_numbered).unwrap_or((place + 1) as f64),
                 Over::Hours => log.hours.ok_or_else(|| TellError::NoHours { log: log.path.clone() })?,
             };
-            let of_log = || by_log.get(log.log_sha256.as_str()).into_iter().flatten();
-            unused.count(of_log().copied(), |row| point(row, log, at).is_some());
-            for row in of_log() {
+            let of_log = by_log.get(log.log_sha256.as_str()).map_or(&[][..], Vec::as_slice);
+            let mut is_used = false;
+            for row in of_log {
                 let Some(parameter) = row.parameter.as_deref().filter(|_| row.nuisance != Some(true)) else { continue };
                 let course = courses.entry(parameter).or_default();
                 match point(row, log, at) {
                     Some(point) => {
+                        is_used = true;
                         course.0 = row.unit.clone().unwrap_or_default();
                         course.2.push((point, row.budget.map(Option::unwrap_or_default)));
                     }
                     None => course.1 += 1,
                 }
             }
+            unused.count(of_log, is_used);
         }
         let courses = courses.into_iter().filter_map(|(parameter, (unit, left_out, mut points))| {
             points.sort_by(|(a, _), (b, _)| a.at.total_cmp(&b.at));
@@ -487,4 +496,78 @@ fn judge_flights(airframes: &mut [Airframe], rate: f64) -> Vec<Coverage> {
     let told = coverage.into_iter().filter(|(_, (_, of))| *of > 0);
     told.map(|(parameter, (within, of))| Coverage { parameter, within, of, interval: clopper_pearson(within, of) })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(flight: u8, segment: Option<i64>, method: &str) -> Row {
+        Row {
+            kind: "log".to_owned(),
+            source_sha256: Some(format!("{flight:064}")),
+            method: method.to_owned(),
+            status: "sound".to_owned(),
+            segment,
+            parameter: segment.map(|_| "Cm_alpha".to_owned()),
+            refusal: segment.is_none().then(|| "not-a-flight".to_owned()),
+            parameter_status: Some("converged".to_owned()),
+            value: Some(-0.5),
+            std_error: Some(0.02),
+            random_std: Some(0.01),
+            ..Row::default()
+        }
+    }
+
+    fn log(flight: u8, path: &str, bytes: i64) -> LogRow {
+        LogRow {
+            log_sha256: format!("{flight:064}"),
+            path: path.to_owned(),
+            bytes,
+            airframe: "N1".to_owned(),
+            ..LogRow::default()
+        }
+    }
+
+    #[test]
+    fn manoeuvres_and_whole_flights_are_not_mixed_and_a_refused_flight_belongs_to_both() {
+        let rows = [row(1, Some(1), "smpe"), row(1, Some(0), "smpe"), row(2, None, "smpe")];
+        let logs = [log(1, "1.csv", 9), log(2, "2.csv", 9)];
+        let asked = |only: &[&str]| {
+            let only = only.iter().map(|word| (*word).to_owned()).collect();
+            tell(&rows, &logs, &Question { only, ..Question::default() })
+        };
+        assert!(matches!(asked(&[]), Err(TellError::Several { sets }) if sets.len() == 2));
+        for kind in ["manoeuvres", "whole"] {
+            let found = asked(&[kind]).unwrap();
+            let [airframe] = &found.airframes[..] else { panic!("{found:?}") };
+            assert_eq!((airframe.courses[0].points.len(), found.refused["not-a-flight"]), (1, 1), "{kind}");
+            assert_eq!(
+                (airframe.unused.logs, airframe.unused.of, airframe.unused.words().as_str()),
+                (1, 2, "not-a-flight 1")
+            );
+        }
+        assert!(matches!(asked(&["ekf"]), Err(TellError::Nothing { .. })));
+    }
+
+    #[test]
+    fn a_log_that_grew_and_a_result_under_two_keys_count_once() {
+        let again = Row { key: "another".to_owned(), ..row(2, Some(1), "smpe") };
+        let rows = [row(1, Some(1), "smpe"), row(2, Some(1), "smpe"), again, row(3, Some(1), "smpe")];
+        let logs = [log(1, "a.csv", 100), log(2, "a.csv", 400), log(3, "b.csv", 50)];
+        let found = tell(&rows, &logs, &Question::default()).unwrap();
+        let points = &found.airframes[0].courses[0].points;
+        let of: Vec<&str> = points.iter().map(|point| point.log_sha256.as_str()).collect();
+        assert_eq!((of, found.logs), (vec![logs[1].log_sha256.as_str(), logs[2].log_sha256.as_str()], 2));
+        assert!(found.notes.len() == 1 && found.notes[0].contains("a.csv"), "{:?}", found.notes);
+    }
+
+    #[test]
+    fn flights_without_a_number_among_others_with_one_are_said() {
+        let rows = [row(1, Some(1), "smpe"), row(2, Some(1), "smpe")];
+        let numbered = LogRow { flight: Some(7.0), ..log(1, "a.csv", 9) };
+        let notes = |logs: &[LogRow]| tell(&rows, logs, &Question::default()).unwrap().notes;
+        assert!(notes(&[numbered.clone(), log(2, "b.csv", 9)]).concat().contains("1 of 2 logs have no `flight`"));
+        assert!(notes(&[numbered, LogRow { flight: Some(8.0), ..log(2, "b.csv", 9) }]).is_empty());
+    }
 }

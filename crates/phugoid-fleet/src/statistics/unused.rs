@@ -25,18 +25,18 @@ pub struct Unused {
 }
 
 impl Unused {
-    /// Counts a log by its rows, of which `is_used` tells whether the estimate is used.
-    pub(super) fn count<'a>(&mut self, rows: impl Iterator<Item = &'a Row> + Clone, is_used: impl Fn(&Row) -> bool) {
+    /// Counts a log with its rows, of which an estimate is used or none.
+    pub(super) fn count(&mut self, rows: &[&Row], is_used: bool) {
         self.of += 1;
-        if rows.clone().any(is_used) {
+        if is_used {
             return;
         }
         self.logs += 1;
-        let words = |row: &'a Row| {
+        let words = rows.iter().flat_map(|row| {
             let reasons = row.reasons.as_deref().unwrap_or_default().split(',');
             reasons.chain(row.refusal.as_deref()).map(str::trim).filter(|word| !word.is_empty())
-        };
-        for word in rows.flat_map(words).collect::<BTreeSet<&str>>() {
+        });
+        for word in words.collect::<BTreeSet<&str>>() {
             *self.reasons.entry(word.to_owned()).or_insert(0) += 1;
         }
     }
@@ -106,9 +106,9 @@ mod tests {
     fn the_reasons_of_a_log_count_once() {
         let row = |reasons: &str| Row { reasons: Some(reasons.to_owned()), ..Row::default() };
         let mut unused = Unused::default();
-        unused.count([row("sign, units"), row("sign")].iter(), |_| false);
-        unused.count([row("sign")].iter(), |_| false);
-        unused.count([row("gaps")].iter(), |_| true);
+        unused.count(&[&row("sign, units"), &row("sign")], false);
+        unused.count(&[&row("sign")], false);
+        unused.count(&[&row("gaps")], true);
         assert_eq!((unused.logs, unused.of, unused.words().as_str()), (2, 3, "sign 2, units 1"));
     }
 }

@@ -38,7 +38,7 @@ pub(crate) fn check(record: &mut Record) {
             record.quality.note(
                 &channel.name,
                 format!(
-                    "{} far outside the neighbouring values, the first at {} s; kept in the record; estimation rejects those of measured motion and takes those of a surface out",
+                    "{} far outside the neighbouring values, the first at {} s; kept in the record; estimation judges those of measured motion, and takes those of a surface out where it can tell",
                     plural(spikes.len(), "single value"),
                     Short(time)
                 ),

@@ -79,8 +79,6 @@ const SPIKE_SIGMAS: f64 = 8.0;
 const SPIKE_MOVES: f64 = 4.0;
 /// ... while the neighbours are no farther from each other than this part of it: an edge does not come back.
 const SPIKE_RETURN: f64 = 0.5;
-/// Beyond this part of the samples it is the surface that is so, or a record that nothing can be taken from.
-const MOST_SPIKES: f64 = 0.05;
 
 /// Puts single values that no surface has (rad, NaN where missing) on the straight line between their neighbours, and gives their
 /// number.
@@ -101,9 +99,6 @@ pub(crate) fn take_spikes(time_s: &[f64], values: &mut [f64]) -> usize {
     };
     let found = values.windows(5).enumerate().filter(|(_, x)| is_spike(x)).map(|(k, _)| k + 2);
     let found: Vec<usize> = found.collect();
-    if found.len() as f64 > MOST_SPIKES * values.len() as f64 {
-        return 0;
-    }
     for k in &found {
         let part = (time_s[*k] - time_s[k - 1]) / (time_s[k + 1] - time_s[k - 1]);
         values[*k] = values[k - 1] + part * (values[k + 1] - values[k - 1]);
