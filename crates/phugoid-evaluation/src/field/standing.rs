@@ -30,12 +30,13 @@ impl Word {
 }
 
 /// Sentences beside numbers that stand, by what they contain.
-const REMARKS: [(&str, &str); 5] = [
+const REMARKS: [(&str, &str); 6] = [
     ("Coloured residuals", "coloured"),
     ("Model error", "model error"),
     ("taken for outliers", "outliers"),
     ("The residuals ask for", "missing term"),
     ("The parameters changed in flight", "change"),
+    ("Check the wing", "wing"),
 ];
 /// How the sentence about a change begins that moves constants only.
 const TRIM_SHIFT: &str = "A constant force or moment (a trim shift) set in";

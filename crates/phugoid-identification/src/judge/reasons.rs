@@ -59,6 +59,7 @@ pub(crate) fn reasons<M: Motion<N, R>, const N: usize, const R: usize>(
             attitude::reason(outputs.map(|((output, noise), learnt)| (*output, noise.std, learnt)))
         }));
         found.extend(input_noise::reason(&task.prepared.surface_noise));
+        found.extend(input_noise::wild(&task.prepared.wild_values));
         found.extend(integrity::reason(record, task));
         found.extend(unsettled(parameters, run));
     } else {

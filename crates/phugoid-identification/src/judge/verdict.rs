@@ -8,7 +8,7 @@ use crate::core::estimation::{
     ParameterResult, ReasonCode, Signal, VerdictReason, headline,
 };
 use crate::judge::contradiction::{Spread, colour};
-use crate::judge::systematic;
+use crate::judge::{physics, systematic};
 use crate::methods::{Run, Task};
 use crate::motion::Motion;
 
@@ -37,6 +37,7 @@ pub(crate) fn verdict<M: Motion<N, R>, const N: usize, const R: usize>(
     // What keeps a result waiting is told below with the parameters, unless nothing moved at all.
     let told = |r: &&VerdictReason| r.status >= EstimationStatus::Doubtful || r.code == ReasonCode::NoExcitation;
     sentences.extend(reasons.iter().filter(told).map(|reason| reason.sentence.clone()));
+    sentences.extend(physics::aircraft::remark(task));
     let contradicted = reasons.iter().any(|reason| reason.code == ReasonCode::Contradiction);
     let pairs = pairs(parameters, correlation);
     if run.excited {

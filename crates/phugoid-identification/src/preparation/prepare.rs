@@ -22,7 +22,7 @@ use crate::preparation::prepared::speeds;
 use crate::preparation::reaction::surfaces;
 use crate::preparation::resample::earlier;
 use crate::preparation::slow_surface::SlowSurface;
-use crate::preparation::surface::{self, SurfaceNoise};
+use crate::preparation::surface::{self, SurfaceNoise, WildValues};
 use crate::preparation::timing::timing;
 use crate::preparation::trim::{LevelTrim, TrimCondition, level_trim};
 
@@ -247,6 +247,7 @@ fn collect<M: Motion<N, R>, const N: usize, const R: usize>(
     let time = record.time[first..].to_vec();
     let mut unseen = Vec::new();
     let mut surface_noise = Vec::new();
+    let mut wild_values = Vec::new();
     let mut slow_surfaces = Vec::new();
     for signal in &mut known {
         signal.values.drain(..first);
@@ -256,6 +257,7 @@ fn collect<M: Motion<N, R>, const N: usize, const R: usize>(
         if is_surface && slow.is_none() && sight == Sight::Whole {
             let count = surface::take_spikes(&time, &mut signal.values);
             notes.extend((count > 0).then(|| spikes(&signal.name, count)));
+            wild_values.extend(WildValues::of(&signal.name, &time, &signal.values));
         }
         let noise = match &mut slow {
             Some(slow) => sight.take_noise(&slow.time_s, &mut slow.values),
@@ -339,6 +341,7 @@ fn collect<M: Motion<N, R>, const N: usize, const R: usize>(
         },
         slow_surfaces,
         surface_noise,
+        wild_values,
         reference,
         database_parts,
         first,

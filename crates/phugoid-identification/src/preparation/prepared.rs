@@ -13,7 +13,7 @@ use crate::preparation::database_part::Condition;
 use crate::preparation::intake::Origin;
 use crate::preparation::reaction::delay::SurfaceDelay;
 use crate::preparation::slow_surface::SlowSurface;
-use crate::preparation::surface::SurfaceNoise;
+use crate::preparation::surface::{SurfaceNoise, WildValues};
 
 /// Samples that noise levels are measured from, at least.
 pub(crate) const FEWEST_SAMPLES: usize = 40;
@@ -47,6 +47,8 @@ pub struct Prepared<M: Motion<N, R>, const N: usize, const R: usize> {
     pub(crate) surface_time_std_s: f64,
     /// The noise of the surfaces that have some, by name.
     pub(crate) surface_noise: Vec<(String, SurfaceNoise)>,
+    /// Values of the surfaces that may be wild, and count as motion.
+    pub(crate) wild_values: Vec<WildValues>,
     /// The reference point: the values at which the terms are zero.
     pub reference: ReferencePoint,
     /// What the database has in the place of each estimated parameter, in the order of the columns.

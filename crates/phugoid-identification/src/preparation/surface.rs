@@ -88,22 +88,64 @@ const SPIKE_RETURN: f64 = 0.5;
 pub(crate) fn take_spikes(time_s: &[f64], values: &mut [f64]) -> usize {
     let Some(step) = median_step(time_s).filter(|step| *step <= SLOWEST_SPIKE_STEP_S) else { return 0 };
     let least = if step > SPIKE_STEP_S { SPIKE_RATE * step } else { 0.0 };
-    let noise_std = measure_noise(values).map_or(0.0, |noise| noise.std);
-    let is_spike = |x: &[f64]| {
-        let apart =
-            if (x[2] - x[1]) * (x[2] - x[3]) > 0.0 { (x[2] - x[1]).abs().min((x[2] - x[3]).abs()) } else { 0.0 };
-        let back = (x[3] - x[1]).abs();
-        let mut moves = [(x[1] - x[0]).abs(), (x[4] - x[3]).abs(), back];
-        moves.sort_by(f64::total_cmp);
-        apart > least.max(SPIKE_SIGMAS * noise_std) && apart > SPIKE_MOVES * moves[1] && back < SPIKE_RETURN * apart
-    };
-    let found = values.windows(5).enumerate().filter(|(_, x)| is_spike(x)).map(|(k, _)| k + 2);
-    let found: Vec<usize> = found.collect();
+    let found = excursions::<5>(values, least);
     for k in &found {
         let part = (time_s[*k] - time_s[k - 1]) / (time_s[k + 1] - time_s[k - 1]);
         values[*k] = values[k - 1] + part * (values[k + 1] - values[k - 1]);
     }
     found.len()
+}
+
+/// Where values (rad, NaN where missing) leave those before them by more than `least` and come back: of `WIDTH` values in a row, the
+/// first two and the last two are where the surface is, and those between them are not. The first of these.
+fn excursions<const WIDTH: usize>(values: &[f64], least: f64) -> Vec<usize> {
+    let noise_std = measure_noise(values).map_or(0.0, |noise| noise.std);
+    let is_excursion = |x: &[f64]| {
+        let (before, after) = (x[1], x[WIDTH - 2]);
+        let back = (after - before).abs();
+        let apart = x[2..WIDTH - 2].iter().map(|out| {
+            let (from, to) = (out - before, out - after);
+            if from * to > 0.0 { from.abs().min(to.abs()) } else { 0.0 }
+        });
+        let apart = apart.fold(f64::INFINITY, f64::min);
+        let mut moves = [(before - x[0]).abs(), (x[WIDTH - 1] - after).abs(), back];
+        moves.sort_by(f64::total_cmp);
+        apart > least.max(SPIKE_SIGMAS * noise_std) && apart > SPIKE_MOVES * moves[1] && back < SPIKE_RETURN * apart
+    };
+    let found = values.windows(WIDTH).enumerate().filter(|(_, x)| is_excursion(x)).map(|(k, _)| k + 2);
+    found.collect()
+}
+
+/// Values of a recorded surface that may be wild, and count as motion: one or two in a row far from where the surface was before
+/// and is afterwards, which a pulse of that length could be as well.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct WildValues {
+    pub(crate) surface: String,
+    /// How often the surface seems to go away and come back.
+    pub(crate) count: usize,
+    /// Their share in the scatter of the signal, 0 to 1.
+    pub(crate) share: f64,
+}
+
+impl WildValues {
+    /// Those of one surface of a record (s, rad); none where there are none, and for records that are too slow to tell.
+    pub(crate) fn of(surface: &str, time_s: &[f64], values: &[f64]) -> Option<Self> {
+        let step = median_step(time_s).filter(|step| *step <= SLOWEST_SPIKE_STEP_S)?;
+        let single = excursions::<5>(values, 0.0);
+        // Of a slower record two values are a pulse of two tenths of a second, which pilots fly.
+        let double = if step <= SPIKE_STEP_S { excursions::<6>(values, 0.0) } else { Vec::new() };
+        let count = single.len() + double.len();
+        let present: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
+        let mean = present.iter().sum::<f64>() / present.len() as f64;
+        let scatter: f64 = present.iter().map(|v| (v - mean).powi(2)).sum();
+        let out = single.iter().map(|k| (*k, 1)).chain(double.iter().map(|k| (*k, 2)));
+        let power: f64 = out.flat_map(|(k, n)| (k..k + n).map(move |i| (values[i] - values[k - 1]).powi(2))).sum();
+        (count > 0 && scatter > 0.0).then(|| Self {
+            surface: surface.to_owned(),
+            count,
+            share: (power / scatter).min(1.0),
+        })
+    }
 }
 
 struct Smoothed {
@@ -293,6 +335,21 @@ mod tests {
             assert_eq!(take_spikes(&time[..400], &mut values), 0);
         }
         let times = |factor: f64| time.iter().map(|t| factor * t).collect::<Vec<f64>>();
+        // A pulse of two samples and one that is slow enough for a surface are not taken, and are told.
+        let wild = |times: &[f64], step: usize, width: usize, size: f64| {
+            let mut values = truth.clone();
+            for k in (55..1950).step_by(step) {
+                values[k..k + width].iter_mut().for_each(|value| *value += size);
+            }
+            take_spikes(times, &mut values);
+            WildValues::of("elevator", times, &values).map(|wild| (wild.count, wild.share > 0.05))
+        };
+        assert_eq!((wild(&time, 200, 2, 0.1), wild(&times(5.0), 200, 1, 0.06)), (Some((10, true)), Some((10, true))));
+        // Pulses that pilots fly, and what was taken.
+        assert_eq!(
+            (wild(&time, 200, 1, 0.1), wild(&time, 200, 5, 0.1), wild(&times(5.0), 200, 2, 0.06)),
+            (None, None, None)
+        );
         let of = |times: &[f64], size: f64| {
             let mut values = truth.clone();
             values[700] += size;

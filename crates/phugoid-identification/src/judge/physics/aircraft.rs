@@ -86,6 +86,31 @@ pub(super) fn wing(body: &Body) -> Option<VerdictReason> {
     })
 }
 
+/// The same for wings that are no lifting bodies or deltas: 27 of 28 aircraft of another simulator are between 0.75 and 1.2.
+const WING: [f64; 2] = [0.65, 1.6];
+/// Smallest aspect ratio of those.
+const LEAST_ASPECT_RATIO: f64 = 2.5;
+
+/// What to say beside numbers that stand, if area, chord and span belong to no usual wing: moments per an unusual reference length
+/// are as good as others, for whoever uses the same one.
+pub(in crate::judge) fn remark<M: Motion<N, R>, const N: usize, const R: usize>(
+    task: &Task<M, N, R>,
+) -> Option<String> {
+    unusual_wing(&Body::of(task))
+}
+
+fn unusual_wing(body: &Body) -> Option<String> {
+    let fit = body.wing_span? * body.mean_chord / body.wing_area;
+    let usual = body.aspect_ratio()? < LEAST_ASPECT_RATIO || (WING[0]..=WING[1]).contains(&fit) || wing(body).is_some();
+    (!usual).then(|| {
+        format!(
+            "Check the wing under [aircraft]: span times chord is {fit:.2} times the area, and 1 to 1.3 is usual (about a half for a \
+             biplane with the area of both wings). All coefficients go with one over wing_area, and those of moments with one over \
+             mean_chord too: the numbers stand for whoever means these reference values, and are wrong by the same factor otherwise."
+        )
+    })
+}
+
 /// `Izz / (Ixx + Iyy)`: 1 for a flat body; never more, but for the scatter of estimated data.
 pub(crate) const FLAT: [f64; 2] = [0.55, 1.1];
 /// From here on no body has these moments.
@@ -187,6 +212,24 @@ mod tests {
         assert_eq!(wing(&lifting_body), None);
         let in_feet = Body { mean_chord: 37.5, ..lifting_body };
         assert!(wing(&in_feet).unwrap().sentence.contains("feet"));
+    }
+
+    #[test]
+    fn an_area_or_a_chord_that_is_twice_too_large_is_remarked() {
+        for spoilt in [
+            Body { wing_area: 2.0 * LIGHT.wing_area, ..LIGHT },
+            Body { wing_area: 0.5 * LIGHT.wing_area, ..LIGHT },
+            Body { mean_chord: 2.0 * LIGHT.mean_chord, ..LIGHT },
+            Body { mean_chord: 0.5 * LIGHT.mean_chord, ..LIGHT },
+        ] {
+            assert!(wing(&spoilt).is_none() && unusual_wing(&spoilt).unwrap().contains("span times chord"));
+        }
+        // In feet it is a reason, which is told in its place; a slender delta, and no span.
+        let delta = Body { mean_chord: 27.7, wing_span: Some(25.6), wing_area: 358.0, ..LIGHT };
+        let in_feet = Body { mean_chord: 1.494 / 0.3048, ..LIGHT };
+        for told in [LIGHT, in_feet, delta, Body { wing_span: None, ..LIGHT }] {
+            assert_eq!(unusual_wing(&told), None);
+        }
     }
 
     #[test]

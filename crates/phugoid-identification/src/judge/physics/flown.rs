@@ -20,6 +20,8 @@ pub(super) struct Flown {
     pub(super) drag: Option<f64>,
     /// Whether there was thrust.
     pub(super) powered: bool,
+    /// True airspeed, m/s.
+    pub(super) speed: Option<f64>,
     /// Mach number, from the airspeed and the standard atmosphere at the altitude, at sea level without one.
     pub(super) mach: Option<f64>,
     /// Largest size of the angle of attack, but for one sample in fifty, rad.
@@ -67,7 +69,8 @@ impl Flown {
         flown.powered = thrust.as_ref().is_some_and(|thrust| thrust.iter().any(|t| *t > 0.0));
         let altitude = record.channel("altitude").and_then(|c| middle(&mut c.values.iter().copied()));
         let air = Atmosphere::Standard.at(altitude.unwrap_or(0.0).clamp(0.0, 20_000.0));
-        flown.mach = speed.as_ref().and_then(|speed| Some(middle(&mut speed.iter().copied())? / air.speed_of_sound));
+        flown.speed = speed.as_ref().and_then(|speed| middle(&mut speed.iter().copied()));
+        flown.mach = flown.speed.map(|speed| speed / air.speed_of_sound);
         flown.largest_alpha = alpha.as_ref().and_then(|alpha| {
             let mut sizes: Vec<f64> = alpha.iter().map(|a| a.abs()).filter(|a| a.is_finite()).collect();
             sizes.sort_by(f64::total_cmp);

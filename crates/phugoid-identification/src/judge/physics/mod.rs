@@ -12,6 +12,7 @@ pub(crate) mod aircraft;
 mod derivatives;
 mod finding;
 mod flown;
+mod late;
 
 use phugoid_flight_data::record::Record;
 
@@ -44,6 +45,7 @@ pub(crate) fn reasons<M: Motion<N, R>, const N: usize, const R: usize>(
         found.extend(derivatives::lift_slope(&derivatives, &flown, &body));
         found.extend(derivatives::roll_damping(&derivatives, &flown, &body));
         found.extend(derivatives::fin_arm(&derivatives));
+        found.extend(late::reasons(&derivatives, &flown, &body));
         found.extend(derivatives::product_of_inertia(&derivatives, &body));
         found.extend(derivatives::sizes(&derivatives));
         found.extend(derivatives::drag(&derivatives));
