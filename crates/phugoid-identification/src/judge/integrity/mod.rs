@@ -61,15 +61,15 @@ pub(super) fn reason<M: Motion<N, R>, const N: usize, const R: usize>(
     let with = |names: &[&str], check: &dyn Fn(&Channels) -> Option<Vec<Finding>>| {
         Channels::of(task.prepared, task.file, names).and_then(|channels| check(&channels)).unwrap_or_default()
     };
-    if !M::AXES.has_lateral() {
-        found.extend(with(&longitudinal::NAMES, &|channels| longitudinal::findings(channels, gravity)));
-        found.extend(with(&reactions::LONGITUDINAL, &|channels| reactions::longitudinal(channels, chord)));
-    } else {
-        found.extend(with(&lateral::NAMES, &|channels| lateral::findings(channels, gravity)));
-        found.extend(with(&reactions::LATERAL, &|channels| reactions::lateral(channels, chord)));
-    }
     let known = task.prepared.surface_times.clone();
     let surfaces = known.unwrap_or_else(|| reaction::surfaces(task.prepared, task.file));
+    if !M::AXES.has_lateral() {
+        found.extend(with(&longitudinal::NAMES, &|channels| longitudinal::findings(channels, gravity)));
+        found.extend(with(&reactions::LONGITUDINAL, &|channels| reactions::longitudinal(channels, chord, &surfaces)));
+    } else {
+        found.extend(with(&lateral::NAMES, &|channels| lateral::findings(channels, gravity)));
+        found.extend(with(&reactions::LATERAL, &|channels| reactions::lateral(channels, chord, &surfaces)));
+    }
     found.extend(surfaces.iter().filter_map(|surface| reactions::surface(surface, task.prepared.hold)));
     if found.is_empty() {
         return None;

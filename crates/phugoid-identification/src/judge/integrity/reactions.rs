@@ -62,8 +62,35 @@ fn flow_angle(name: &'static str, delay: Delay, step_s: f64, ahead_s: f64) -> Op
     })
 }
 
+/// What is wrong with the time of a flow angle, by the force that it makes.
+fn vane<const C: usize>(
+    name: &'static str,
+    force: &Causes<'_, C>,
+    ahead_s: f64,
+    surfaces: &[SurfaceDelay],
+) -> Option<Finding> {
+    let short = force.delay();
+    let found = short.and_then(|delay| flow_angle(name, delay, force.step_s, ahead_s));
+    // A force that comes before a surface which was recorded late looks like one that comes before the flow angle.
+    let in_time = surfaces.iter().all(|delay| delay.late_s <= 0.0 || surface(delay, InputHold::Interpolated).is_none());
+    let long_s = force.long_delay().filter(|_| in_time);
+    // The straight line makes too little of a delay that is long against the gusts.
+    let Some(late_s) =
+        long_s.filter(|long| found.is_none() || short.is_none_or(|short| *long > short.late_s + force.step_s))
+    else {
+        return found;
+    };
+    Some(Finding {
+        channel: name,
+        sentence: format!(
+            "{name} was recorded about {:.0} ms late, by the force that it makes in gusts: check its delay and filter",
+            1e3 * late_s
+        ),
+    })
+}
+
 /// The vane of the angle of attack. `chord` in m.
-pub(super) fn longitudinal(channels: &Channels, chord: f64) -> Option<Vec<Finding>> {
+pub(super) fn longitudinal(channels: &Channels, chord: f64, surfaces: &[SurfaceDelay]) -> Option<Vec<Finding>> {
     let [speed, alpha, q, elevator, az] = channels.values::<5>()?;
     let (time_s, step_s) = (channels.time_s.as_slice(), channels.step_s()?);
     let (pressure, relative) = scales(speed)?;
@@ -72,11 +99,11 @@ pub(super) fn longitudinal(channels: &Channels, chord: f64) -> Option<Vec<Findin
     let lift = integral(time_s, az);
     let force = Causes { time_s, step_s, signal: &lift, others, late: 0, cause: alpha, pressure: &pressure };
     let ahead_s = CHORDS_AHEAD * chord / median(&mut speed.to_vec())?;
-    Some(force.delay().and_then(|delay| flow_angle("alpha", delay, step_s, ahead_s)).into_iter().collect())
+    Some(vane("alpha", &force, ahead_s, surfaces).into_iter().collect())
 }
 
 /// The vane of the angle of sideslip. `chord` in m.
-pub(super) fn lateral(channels: &Channels, chord: f64) -> Option<Vec<Finding>> {
+pub(super) fn lateral(channels: &Channels, chord: f64, surfaces: &[SurfaceDelay]) -> Option<Vec<Finding>> {
     let [speed, beta, p, r, aileron, rudder, ay] = channels.values::<7>()?;
     let (time_s, step_s) = (channels.time_s.as_slice(), channels.step_s()?);
     let (pressure, relative) = scales(speed)?;
@@ -86,7 +113,7 @@ pub(super) fn lateral(channels: &Channels, chord: f64) -> Option<Vec<Finding>> {
     let side = integral(time_s, ay);
     let force = Causes { time_s, step_s, signal: &side, others, late: 0, cause: beta, pressure: &pressure };
     let ahead_s = CHORDS_AHEAD * chord / median(&mut speed.to_vec())?;
-    Some(force.delay().and_then(|delay| flow_angle("beta", delay, step_s, ahead_s)).into_iter().collect())
+    Some(vane("beta", &force, ahead_s, surfaces).into_iter().collect())
 }
 
 #[cfg(test)]
@@ -139,9 +166,10 @@ mod tests {
     fn named(columns: &[Vec<f64>; 5]) -> Vec<(&'static str, String)> {
         let time_s: Vec<f64> = (0..columns[0].len()).map(|k| k as f64 * STEP_S).collect();
         let of = |count: usize| Channels::for_tests(time_s.clone(), columns[..count].to_vec());
-        let surfaces = elevator(&of(4)).and_then(|found| surface(&found, InputHold::Held));
-        let vanes = longitudinal(&of(5), 1.5).unwrap();
-        surfaces.into_iter().chain(vanes).map(|finding| (finding.channel, finding.sentence)).collect()
+        let times: Vec<SurfaceDelay> = elevator(&of(4)).into_iter().collect();
+        let vanes = longitudinal(&of(5), 1.5, &times).unwrap();
+        let surfaces = times.iter().filter_map(|found| surface(found, InputHold::Held));
+        surfaces.chain(vanes).map(|finding| (finding.channel, finding.sentence)).collect()
     }
 
     #[test]
@@ -160,6 +188,17 @@ mod tests {
                 let shown: i32 = sentence.split(' ').find_map(|word| word.parse().ok()).unwrap();
                 assert!(delays.contains(&shown) && sentence.contains("late"), "{sentence}");
             }
+        }
+    }
+
+    #[test]
+    fn a_vane_that_is_much_too_late_is_named_in_gusts() {
+        for late in [5, 8, 15] {
+            let found = named(&flight(0, late, 0.05));
+            let alpha = found.iter().find(|(name, _)| *name == "alpha");
+            let (_, sentence) = alpha.unwrap_or_else(|| panic!("{late}: {found:?}"));
+            let shown: usize = sentence.split(' ').find_map(|word| word.parse().ok()).unwrap();
+            assert!(shown.abs_diff(20 * late) <= 20 && sentence.contains("late"), "{sentence}");
         }
     }
 

@@ -8,12 +8,13 @@
 //! ```
 //!
 //! has the delay tau of what was recorded as the ratio of two factors (the dynamic pressure changes slowly). No
-//! aerodynamic coefficient has to be known.
+//! aerodynamic coefficient has to be known. In gusts the straight line holds for delays that are short against them; longer ones are
+//! looked for by moving the flow angle.
 
 use phugoid_flight_data::statistics::median;
 
 use super::GUSTS;
-use super::regression::{factors, integral};
+use super::regression::{Factors, factors, integral};
 
 /// How late a channel was recorded.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,15 +40,70 @@ pub(crate) struct Causes<'a, const C: usize> {
     pub(crate) pressure: &'a [f64],
 }
 
+/// A delay that is too long for the straight line above is looked for up to here, s, ...
+const LONGEST_S: f64 = 0.4;
+/// ... in steps of so many seconds, or of one sample where these are slower.
+const STEP_S: f64 = 0.04;
+/// It counts if the cause, moved by it, leaves less than this part of what is left without it, ...
+const LEFT: f64 = 0.9;
+/// ... and if the windows agree: so many standard errors of the mean difference. Of 381 flights of another simulator with vanes that
+/// are in time, healthy and damaged, calm and in gusts, none has 0.9 and more than 2.0; of 22 with one 0.3 s late all have less than
+/// 0.5 and 2.9 or more, and 14 of 22 with one 0.1 s late both.
+const AGREED: f64 = 2.5;
+
 impl<const C: usize> Causes<'_, C> {
     /// The delay, if the equation explains the motion.
-    pub(crate) fn delay(mut self) -> Option<Delay> {
-        let by_pressure = product(self.cause, self.pressure);
-        self.others[self.late] = integral(self.time_s, &by_pressure);
-        self.others[C - 1] = by_pressure;
-        let found = factors(self.time_s, self.signal, &self.others, self.step_s)?;
+    pub(crate) fn delay(&self) -> Option<Delay> {
+        let found = self.fitted(self.cause, self.time_s.len())?;
         let (late_s, std_s) = found.ratio(C - 1, self.late)?;
         (found.unexplained <= GUSTS).then_some(Delay { late_s, std_s })
+    }
+
+    /// A long delay in gusts, s: the time by which the cause has to be moved so that the equation explains the motion best. None
+    /// where that is not clearly better than the cause as it was recorded, as in still air, where the flow angle follows from
+    /// the other causes whatever its time.
+    pub(crate) fn long_delay(&self) -> Option<f64> {
+        let count = self.time_s.partition_point(|t| t + LONGEST_S <= self.time_s[self.time_s.len() - 1]);
+        let recorded = self.fitted(self.cause, count)?;
+        let step_s = self.step_s * (STEP_S / self.step_s).round().max(1.0);
+        let sum = |factors: &Factors<C>| factors.left.iter().sum::<f64>();
+        let moved = (1..).map(|k| f64::from(k) * step_s).take_while(|late_s| *late_s <= LONGEST_S);
+        let fitted = moved.filter_map(|late_s| Some((late_s, self.fitted(&self.moved(late_s), count)?)));
+        let (late_s, best) = fitted.min_by(|a, b| sum(&a.1).total_cmp(&sum(&b.1)))?;
+        let gain: Vec<f64> = recorded.left.iter().zip(&best.left).map(|(recorded, moved)| recorded - moved).collect();
+        let n = gain.len() as f64;
+        let mean = gain.iter().sum::<f64>() / n;
+        let variance = gain.iter().map(|g| (g - mean).powi(2)).sum::<f64>() / (n - 1.0);
+        (sum(&best) < LEFT * sum(&recorded) && mean > AGREED * (variance / n).sqrt()).then_some(late_s)
+    }
+
+    /// The cause as it was recorded this time later, by straight lines.
+    fn moved(&self, late_s: f64) -> Vec<f64> {
+        let last = self.time_s.len() - 1;
+        let mut after = 0;
+        let at = |k: usize| {
+            let t = self.time_s[k] + late_s;
+            while after < last && self.time_s[after] < t {
+                after += 1;
+            }
+            let before = after.saturating_sub(1);
+            let part = (t - self.time_s[before]) / (self.time_s[after] - self.time_s[before]).max(f64::MIN_POSITIVE);
+            self.cause[before] + part.clamp(0.0, 1.0) * (self.cause[after] - self.cause[before])
+        };
+        (0..=last).map(at).collect()
+    }
+
+    /// The equation over the first so many samples, with this in the place of the cause.
+    fn fitted(&self, cause: &[f64], count: usize) -> Option<Factors<C>> {
+        let time_s = &self.time_s[..count];
+        let by_pressure = product(&cause[..count], &self.pressure[..count]);
+        let integrated = integral(time_s, &by_pressure);
+        let columns: [Vec<f64>; C] = std::array::from_fn(|c| match c {
+            c if c == self.late => integrated.clone(),
+            c if c == C - 1 => by_pressure.clone(),
+            c => self.others[c][..count].to_vec(),
+        });
+        factors(time_s, &self.signal[..count], &columns, self.step_s)
     }
 }
 

@@ -17,6 +17,8 @@ pub(crate) struct Factors<const C: usize> {
     pub(crate) std: SVector<f64, C>,
     /// Share of the motion of the signal that is left, without its white noise: what is left in still air is little.
     pub(crate) unexplained: f64,
+    /// Sum of the squares that are left, in each window.
+    pub(crate) left: Vec<f64>,
     /// The factors without one of the windows, for each of them.
     without_one: Vec<SVector<f64, C>>,
 }
@@ -70,7 +72,7 @@ pub(crate) fn factors<const C: usize>(
     causes: &[Vec<f64>; C],
     step_s: f64,
 ) -> Option<Factors<C>> {
-    let mut windows: Vec<(SMatrix<f64, C, C>, SVector<f64, C>)> = Vec::new();
+    let mut windows: Vec<(SMatrix<f64, C, C>, SVector<f64, C>, f64)> = Vec::new();
     let white = measure_noise(signal).map_or(0.0, |noise| noise.std);
     let (mut motion, mut noise) = (0.0, 0.0);
     let mut begin = 0;
@@ -89,15 +91,17 @@ pub(crate) fn factors<const C: usize>(
             let own: [Vec<f64>; C] = std::array::from_fn(|c| straight(&causes[c]));
             let mut normal = SMatrix::zeros();
             let mut right = SVector::zeros();
+            let mut squares = 0.0;
             for (k, y) in straight(signal).into_iter().enumerate() {
                 let row = SVector::<f64, C>::from_fn(|c, _| own[c][k]);
                 normal += row * row.transpose();
                 right += row * y;
-                motion += y * y;
+                squares += y * y;
             }
             // Two of the values went into the line.
             noise += (end - begin - 2) as f64 * white * white;
-            windows.push((normal, right));
+            motion += squares;
+            windows.push((normal, right, squares));
         }
         begin = end;
     }
@@ -107,17 +111,18 @@ pub(crate) fn factors<const C: usize>(
     let all = |skip: Option<usize>| -> Option<SVector<f64, C>> {
         let kept = windows.iter().enumerate().filter(|(i, _)| Some(*i) != skip).map(|(_, window)| window);
         let (mut normal, mut right) = (SMatrix::<f64, C, C>::zeros(), SVector::<f64, C>::zeros());
-        for (n, r) in kept {
+        for (n, r, _) in kept {
             normal += n;
             right += r;
         }
         solved(&normal, &right)
     };
     let value = all(None)?;
-    let explained_by = |value: &SVector<f64, C>| -> f64 {
-        windows.iter().map(|(n, r)| 2.0 * value.dot(r) - value.dot(&(n * value))).sum()
+    let left = |(n, r, squares): &(SMatrix<f64, C, C>, SVector<f64, C>, f64)| {
+        squares - 2.0 * value.dot(r) + value.dot(&(n * value))
     };
-    let explained = explained_by(&value);
+    let left: Vec<f64> = windows.iter().map(left).collect();
+    let explained = motion - left.iter().sum::<f64>();
     let n = windows.len() as f64;
     let without_one: Vec<SVector<f64, C>> = (0..windows.len()).map(|i| all(Some(i))).collect::<Option<_>>()?;
     let mut sum = SVector::<f64, C>::zeros();
@@ -128,7 +133,7 @@ pub(crate) fn factors<const C: usize>(
     let std = (sum * ((n - 1.0) / n)).map(f64::sqrt);
     let moved = motion - noise;
     let unexplained = |explained: f64| ((moved - explained) / moved).max(0.0);
-    (moved > 0.0).then(|| Factors { value, std, unexplained: unexplained(explained), without_one })
+    (moved > 0.0).then(|| Factors { value, std, unexplained: unexplained(explained), left, without_one })
 }
 
 /// Solves with causes of unit size.
