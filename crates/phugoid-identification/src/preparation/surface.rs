@@ -42,12 +42,17 @@ pub(crate) struct SurfaceNoise {
 /// The noise of a surface of a record; none for noise below the step of the recorder, and for a signal that stands still.
 pub(crate) fn noise_of(values: &[f64]) -> Option<SurfaceNoise> {
     let noise = measure_noise(values).filter(|noise| !noise.quantised)?;
+    let (variance, _) = scatter(values);
+    let share = (noise.std * noise.std / variance).min(1.0);
+    (variance > 0.0).then_some(SurfaceNoise { std: noise.std, share, left: share })
+}
+
+/// Variance of the values that are there, and how many these are.
+fn scatter(values: &[f64]) -> (f64, f64) {
     let present: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
     let n = present.len() as f64;
     let mean = present.iter().sum::<f64>() / n;
-    let variance = present.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n;
-    let share = (noise.std * noise.std / variance).min(1.0);
-    (variance > 0.0).then_some(SurfaceNoise { std: noise.std, share, left: share })
+    (present.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n, n)
 }
 
 /// Replaces a recorded position (rad, NaN where missing) by the motion below its noise, if it is noisy enough. Gives what
@@ -135,15 +140,13 @@ impl WildValues {
         // Of a slower record two values are a pulse of two tenths of a second, which pilots fly.
         let double = if step <= SPIKE_STEP_S { excursions::<6>(values, 0.0) } else { Vec::new() };
         let count = single.len() + double.len();
-        let present: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
-        let mean = present.iter().sum::<f64>() / present.len() as f64;
-        let scatter: f64 = present.iter().map(|v| (v - mean).powi(2)).sum();
+        let (variance, n) = scatter(values);
         let out = single.iter().map(|k| (*k, 1)).chain(double.iter().map(|k| (*k, 2)));
         let power: f64 = out.flat_map(|(k, n)| (k..k + n).map(move |i| (values[i] - values[k - 1]).powi(2))).sum();
-        (count > 0 && scatter > 0.0).then(|| Self {
+        (count > 0 && variance > 0.0).then(|| Self {
             surface: surface.to_owned(),
             count,
-            share: (power / scatter).min(1.0),
+            share: (power / (n * variance)).min(1.0),
         })
     }
 }

@@ -73,7 +73,7 @@ fn vane<const C: usize>(
     let found = short.and_then(|delay| flow_angle(name, delay, force.step_s, ahead_s));
     // A force that comes before a surface which was recorded late looks like one that comes before the flow angle.
     let in_time = surfaces.iter().all(|delay| delay.late_s <= 0.0 || surface(delay, InputHold::Interpolated).is_none());
-    let long_s = force.long_delay().filter(|_| in_time);
+    let long_s = in_time.then(|| force.long_delay()).flatten();
     // The straight line makes too little of a delay that is long against the gusts.
     let Some(late_s) =
         long_s.filter(|long| found.is_none() || short.is_none_or(|short| *long > short.late_s + force.step_s))

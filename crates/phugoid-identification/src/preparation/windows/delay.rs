@@ -63,7 +63,8 @@ impl<const C: usize> Causes<'_, C> {
     /// where that is not clearly better than the cause as it was recorded, as in still air, where the flow angle follows from
     /// the other causes whatever its time.
     pub(crate) fn long_delay(&self) -> Option<f64> {
-        let count = self.time_s.partition_point(|t| t + LONGEST_S <= self.time_s[self.time_s.len() - 1]);
+        let end = self.time_s.last()?;
+        let count = self.time_s.partition_point(|t| t + LONGEST_S <= *end);
         let recorded = self.fitted(self.cause, count)?;
         let step_s = self.step_s * (STEP_S / self.step_s).round().max(1.0);
         let sum = |factors: &Factors<C>| factors.left.iter().sum::<f64>();

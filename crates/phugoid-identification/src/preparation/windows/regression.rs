@@ -108,23 +108,21 @@ pub(crate) fn factors<const C: usize>(
     if windows.len() < LEAST_WINDOWS {
         return None;
     }
-    let all = |skip: Option<usize>| -> Option<SVector<f64, C>> {
-        let kept = windows.iter().enumerate().filter(|(i, _)| Some(*i) != skip).map(|(_, window)| window);
-        let (mut normal, mut right) = (SMatrix::<f64, C, C>::zeros(), SVector::<f64, C>::zeros());
-        for (n, r, _) in kept {
-            normal += n;
-            right += r;
-        }
-        solved(&normal, &right)
-    };
-    let value = all(None)?;
+    let (mut normal, mut right) = (SMatrix::<f64, C, C>::zeros(), SVector::<f64, C>::zeros());
+    for (n, r, _) in &windows {
+        normal += n;
+        right += r;
+    }
+    let value = solved(&normal, &right)?;
     let left = |(n, r, squares): &(SMatrix<f64, C, C>, SVector<f64, C>, f64)| {
         squares - 2.0 * value.dot(r) + value.dot(&(n * value))
     };
     let left: Vec<f64> = windows.iter().map(left).collect();
     let explained = motion - left.iter().sum::<f64>();
     let n = windows.len() as f64;
-    let without_one: Vec<SVector<f64, C>> = (0..windows.len()).map(|i| all(Some(i))).collect::<Option<_>>()?;
+    // By taking one window away from the sums: summing the others anew for each would take the square of the length of the record.
+    let without_one = windows.iter().map(|(n, r, _)| solved(&(normal - n), &(right - r)));
+    let without_one: Vec<SVector<f64, C>> = without_one.collect::<Option<_>>()?;
     let mut sum = SVector::<f64, C>::zeros();
     for one in &without_one {
         let difference = one - value;
