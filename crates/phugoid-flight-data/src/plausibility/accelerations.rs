@@ -122,6 +122,9 @@ const AIRSPEED_WINDOW_S: f64 = 2.0;
 const MISSING: f64 = 0.3;
 /// Part of it that is left with the other sign of `ax`, at most.
 const LEFT: f64 = 0.5;
+/// Standard errors by which the other sign has to explain more in the mean of the windows: in gusts a median of a dozen windows is
+/// less than half of another one by chance.
+const AGREED: f64 = 2.5;
 
 /// Checks the sign of `ax`, the specific force along body x, forward. The airspeed changes as the accelerations along the path say,
 ///
@@ -130,7 +133,7 @@ const LEFT: f64 = 0.5;
 /// ```
 ///
 /// (R. V. Jategaonkar, *Flight Vehicle System Identification*, 2nd ed., AIAA 2015, chapter 10), in averages over two seconds. The
-/// sign is in doubt where the other one explains them at least twice as well.
+/// sign is in doubt where the other one explains them at least twice as well, and the windows agree on it.
 pub(super) fn forward(doubts: &mut Doubts) {
     let names = ["true_airspeed", "alpha", "theta", "ax", "az"];
     let [Some(speed), Some(alpha), Some(theta), Some(ax), Some(az)] = names.map(|name| doubts.values(name)) else {
@@ -154,13 +157,27 @@ pub(super) fn forward(doubts: &mut Doubts) {
     };
     let over = |rate: &dyn Fn(usize) -> f64| windows(doubts.time(), speed, rate, AIRSPEED_WINDOW_S);
     let durations = over(&|_| 1.0);
-    let missing = |rate: &dyn Fn(usize) -> f64| {
+    let missing = |rate: &dyn Fn(usize) -> f64| -> Vec<f64> {
         let of = |((change, expected), (_, duration)): (&(f64, f64), &(f64, f64))| {
             (*duration > 0.5 * AIRSPEED_WINDOW_S).then(|| (change - expected).abs() / duration)
         };
-        median_of_finite(over(rate).iter().zip(&durations).filter_map(of))
+        over(rate).iter().zip(&durations).filter_map(of).collect()
     };
-    let (Some(as_recorded), Some(reversed)) = (missing(&along(1.0)), missing(&along(-1.0))) else { return };
+    let (recorded, other) = (missing(&along(1.0)), missing(&along(-1.0)));
+    let gains: Vec<f64> = recorded.iter().zip(&other).map(|(recorded, other)| recorded - other).collect();
+    let gains: Vec<f64> = gains.into_iter().filter(|gain| gain.is_finite()).collect();
+    let n = gains.len() as f64;
+    let mean = gains.iter().sum::<f64>() / n;
+    let std_error = (gains.iter().map(|gain| (gain - mean).powi(2)).sum::<f64>() / (n * (n - 1.0))).sqrt();
+    // Of one window no more can be asked.
+    if gains.len() > 1 && mean < AGREED * std_error {
+        return;
+    }
+    let (Some(as_recorded), Some(reversed)) =
+        (median_of_finite(recorded.into_iter()), median_of_finite(other.into_iter()))
+    else {
+        return;
+    };
     if as_recorded > MISSING && reversed < LEFT * as_recorded {
         let message = format!(
             "has probably the wrong sign: with it, the airspeed should change by {} m/s^2 more than it does, with the other sign by \

@@ -8,7 +8,7 @@
 //!
 //! without wind that changes (B. L. Stevens, F. L. Lewis, *Aircraft Control and Simulation*, chapter 2).
 
-use super::{Finding, delay, is_off};
+use super::{Finding, delay, is_off, late_in_still_air};
 use crate::preparation::windows::GUSTS;
 use crate::preparation::windows::channels::Channels;
 use crate::preparation::windows::regression::{factors, integral};
@@ -54,8 +54,12 @@ pub(super) fn findings(channels: &Channels, gravity: f64) -> Option<Vec<Finding>
         })
         .collect();
     let late: Vec<f64> = samples().map(|k| -(turned[k] + side[k] + weight[k])).collect();
-    let causes = [integral(time, &turned), integral(time, &side), integral(time, &weight), late];
-    if let Some(of) = factors(time, beta, &causes, step_s).filter(|of| of.unexplained <= GUSTS) {
+    let causes = [integral(time, &turned), integral(time, &side), integral(time, &weight)];
+    let [by_rates, by_side, by_weight] = causes.clone();
+    let beta_follows = factors(time, beta, &[by_rates, by_side, by_weight, late], step_s);
+    if let Some(of) = beta_follows
+        && let Some(late) = late_in_still_air("beta", [time, beta], &causes, &of, step_s)
+    {
         let off = |i: usize| is_off(of.value[i], of.std[i]);
         let text = |i: usize| format!("{:.3} ± {:.3}", of.value[i], 2.0 * of.std[i]);
         let near = |i: usize, j: usize| (of.value[i] - of.value[j]).abs() < 0.5 * (of.value[i] - 1.0).abs();
@@ -82,7 +86,7 @@ pub(super) fn findings(channels: &Channels, gravity: f64) -> Option<Vec<Finding>
             );
             found.push(Finding { channel: name, sentence });
         }
-        found.extend(delay("beta", of.value[3], of.std[3], step_s));
+        found.extend(late);
     }
     Some(found)
 }

@@ -63,35 +63,10 @@ impl<const C: usize> Causes<'_, C> {
     /// where that is not clearly better than the cause as it was recorded, as in still air, where the flow angle follows from
     /// the other causes whatever its time.
     pub(crate) fn long_delay(&self) -> Option<f64> {
-        let end = self.time_s.last()?;
-        let count = self.time_s.partition_point(|t| t + LONGEST_S <= *end);
-        let recorded = self.fitted(self.cause, count)?;
-        let step_s = self.step_s * (STEP_S / self.step_s).round().max(1.0);
-        let sum = |factors: &Factors<C>| factors.left.iter().sum::<f64>();
-        let moved = (1..).map(|k| f64::from(k) * step_s).take_while(|late_s| *late_s <= LONGEST_S);
-        let fitted = moved.filter_map(|late_s| Some((late_s, self.fitted(&self.moved(late_s), count)?)));
-        let (late_s, best) = fitted.min_by(|a, b| sum(&a.1).total_cmp(&sum(&b.1)))?;
-        let gain: Vec<f64> = recorded.left.iter().zip(&best.left).map(|(recorded, moved)| recorded - moved).collect();
-        let n = gain.len() as f64;
-        let mean = gain.iter().sum::<f64>() / n;
-        let variance = gain.iter().map(|g| (g - mean).powi(2)).sum::<f64>() / (n - 1.0);
-        (sum(&best) < LEFT * sum(&recorded) && mean > AGREED * (variance / n).sqrt()).then_some(late_s)
-    }
-
-    /// The cause as it was recorded this time later, by straight lines.
-    fn moved(&self, late_s: f64) -> Vec<f64> {
-        let last = self.time_s.len() - 1;
-        let mut after = 0;
-        let at = |k: usize| {
-            let t = self.time_s[k] + late_s;
-            while after < last && self.time_s[after] < t {
-                after += 1;
-            }
-            let before = after.saturating_sub(1);
-            let part = (t - self.time_s[before]) / (self.time_s[after] - self.time_s[before]).max(f64::MIN_POSITIVE);
-            self.cause[before] + part.clamp(0.0, 1.0) * (self.cause[after] - self.cause[before])
-        };
-        (0..=last).map(at).collect()
+        let fitted = |late_s: f64, count: usize| self.fitted(&moved(self.time_s, self.cause, late_s), count);
+        best_moved(self.time_s, self.step_s, fitted)
+            .filter(|best| best.left < LEFT && best.agreed > AGREED)
+            .map(|best| best.late_s)
     }
 
     /// The equation over the first so many samples, with this in the place of the cause.
@@ -106,6 +81,62 @@ impl<const C: usize> Causes<'_, C> {
         });
         factors(time_s, &self.signal[..count], &columns, self.step_s)
     }
+}
+
+/// What moving a channel by some time explains.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Moved {
+    /// The time by which it was late, s: a multiple of the step of the search.
+    pub(crate) late_s: f64,
+    /// What the equation leaves with it, over what it leaves with the channel as it was recorded.
+    pub(crate) left: f64,
+    /// Mean over the windows of what it leaves less, in standard errors.
+    pub(crate) agreed: f64,
+    /// [`Factors::unexplained`] with it.
+    pub(crate) unexplained: f64,
+}
+
+/// The time by which a channel was late with which an equation explains the motion best. `fitted` is the equation with the channel
+/// moved by a time, over the first so many samples: all over the same ones.
+pub(crate) fn best_moved<const C: usize>(
+    time_s: &[f64],
+    step_s: f64,
+    fitted: impl Fn(f64, usize) -> Option<Factors<C>>,
+) -> Option<Moved> {
+    let end = time_s.last()?;
+    let count = time_s.partition_point(|t| t + LONGEST_S <= *end);
+    let recorded = fitted(0.0, count)?;
+    let step_s = step_s * (STEP_S / step_s).round().max(1.0);
+    let sum = |factors: &Factors<C>| factors.left.iter().sum::<f64>();
+    let times = (1..).map(|k| f64::from(k) * step_s).take_while(|late_s| *late_s <= LONGEST_S);
+    let all = times.filter_map(|late_s| Some((late_s, fitted(late_s, count)?)));
+    let (late_s, best) = all.min_by(|a, b| sum(&a.1).total_cmp(&sum(&b.1)))?;
+    let gain: Vec<f64> = recorded.left.iter().zip(&best.left).map(|(recorded, moved)| recorded - moved).collect();
+    let n = gain.len() as f64;
+    let mean = gain.iter().sum::<f64>() / n;
+    let variance = gain.iter().map(|g| (g - mean).powi(2)).sum::<f64>() / (n - 1.0);
+    Some(Moved {
+        late_s,
+        left: sum(&best) / sum(&recorded),
+        agreed: mean / (variance / n).sqrt(),
+        unexplained: best.unexplained,
+    })
+}
+
+/// A channel as it was recorded this time later, by straight lines.
+pub(crate) fn moved(time_s: &[f64], values: &[f64], late_s: f64) -> Vec<f64> {
+    let last = time_s.len() - 1;
+    let mut after = 0;
+    let at = |k: usize| {
+        let t = time_s[k] + late_s;
+        while after < last && time_s[after] < t {
+            after += 1;
+        }
+        let before = after.saturating_sub(1);
+        let part = (t - time_s[before]) / (time_s[after] - time_s[before]).max(f64::MIN_POSITIVE);
+        values[before] + part.clamp(0.0, 1.0) * (values[after] - values[before])
+    };
+    (0..=last).map(at).collect()
 }
 
 /// Dynamic pressure over its median, and the true airspeed over its median.
