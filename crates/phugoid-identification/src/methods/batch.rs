@@ -289,29 +289,41 @@ fn with_flow_angles<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usi
         }
         Ok((noted(fit, &format!("{} taken as measured, and not fitted{note}", names.join(" and "))), following))
     };
+    // The residuals of the simulated angles over the noise of their vanes, the largest of them.
+    let above = |fit: &BatchFit| {
+        let ratio = |row: &usize| fit.noise_std[*row] / task.noise[*row].std;
+        angles.iter().map(ratio).fold(0.0, f64::max)
+    };
+    let gusts = |above: f64| {
+        format!(
+            "the residuals of a simulation are {above:.1} times their noise, as gusts or an error of the model make them"
+        )
+    };
     match task.options.flow_angles {
         _ if angles.is_empty() => simulated(),
-        FlowAngles::Simulated => simulated(),
         // On foreign flights in turbulence the measured sideslip brings errors of 6 and 10 % to 1 %. A measured angle of attack
         // halves those of lift and drag there, and its noise bends the small derivatives: Cm_q is then worse than simulated.
-        FlowAngles::Auto if M::AXES != Axes::LateralDirectional => simulated(),
-        FlowAngles::Measured => measured(""),
-        FlowAngles::Auto => {
+        FlowAngles::Auto if M::AXES == Axes::LateralDirectional => {
             let fit = simulated();
-            let above = fit.as_ref().ok().map(|(fit, _)| {
-                let ratio = |row: &usize| fit.noise_std[*row] / task.noise[*row].std;
-                angles.iter().map(ratio).fold(0.0, f64::max)
-            });
-            match above {
+            match fit.as_ref().ok().map(|(fit, _)| above(fit)) {
                 Some(above) if above <= CALM => fit,
-                Some(above) => measured(&format!(
-                    ": the residuals of a simulation are {above:.1} times their noise, as gusts or an error of the model \
-                     make them"
-                ))
-                .or(fit),
+                Some(above) => measured(&format!(": {}", gusts(above))).or(fit),
                 None => measured(": a simulation of them found no minimum").or(fit),
             }
         }
+        FlowAngles::Auto | FlowAngles::Simulated => simulated().map(|(fit, structure)| match above(&fit) {
+            above if above > CALM => {
+                let said = format!(
+                    "{} simulated: {}. Output error has no gusts in it, so that its errors and bounds are often several times those \
+                     of a method that has: compare with --method filter-error",
+                    names.join(" and "),
+                    gusts(above)
+                );
+                (noted(fit, &said), structure)
+            }
+            _ => (fit, structure),
+        }),
+        FlowAngles::Measured => measured(""),
     }
 }
 

@@ -42,6 +42,23 @@ fn every_batch_method_finds_the_f16() {
 }
 
 #[test]
+fn output_error_in_gusts_names_the_method_that_has_them() {
+    let mut record = fly(12.0, 0.026, 31);
+    let said = |record: &_| {
+        let options = EstimateOptions { method: Some(Method::OutputError), ..EstimateOptions::default() };
+        let found = estimate(record, &model(), &options, &mut |_| {}).unwrap();
+        found.verdict.into_iter().find(|sentence| sentence.starts_with("Alpha simulated"))
+    };
+    assert_eq!(said(&record), None);
+    // What the vane shows of gusts that the aircraft is too slow to follow.
+    let time = record.time.clone();
+    let alpha = record.channels.iter_mut().find(|channel| channel.name == "alpha").unwrap();
+    alpha.values.iter_mut().zip(time).for_each(|(alpha, t)| *alpha += 0.01 * (4.0 * t).sin());
+    let sentence = said(&record).unwrap();
+    assert!(sentence.contains("times their noise") && sentence.contains("filter-error"), "{sentence}");
+}
+
+#[test]
 fn further_records_sharpen_the_bounds_and_a_prediction_is_judged() {
     let alone = run(Method::OutputError, EstimateOptions::default());
     let options = EstimateOptions {
