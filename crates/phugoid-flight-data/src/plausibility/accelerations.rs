@@ -164,8 +164,8 @@ pub(super) fn forward(doubts: &mut Doubts) {
         over(rate).iter().zip(&durations).filter_map(of).collect()
     };
     let (recorded, other) = (missing(&along(1.0)), missing(&along(-1.0)));
-    let gains: Vec<f64> = recorded.iter().zip(&other).map(|(recorded, other)| recorded - other).collect();
-    let gains: Vec<f64> = gains.into_iter().filter(|gain| gain.is_finite()).collect();
+    let gains = recorded.iter().zip(&other).map(|(recorded, other)| recorded - other);
+    let gains: Vec<f64> = gains.filter(|gain| gain.is_finite()).collect();
     let n = gains.len() as f64;
     let mean = gains.iter().sum::<f64>() / n;
     let std_error = (gains.iter().map(|gain| (gain - mean).powi(2)).sum::<f64>() / (n * (n - 1.0))).sqrt();

@@ -54,11 +54,9 @@ pub(super) fn findings(channels: &Channels, gravity: f64) -> Option<Vec<Finding>
         })
         .collect();
     let late: Vec<f64> = samples().map(|k| -(turned[k] + side[k] + weight[k])).collect();
-    let causes = [integral(time, &turned), integral(time, &side), integral(time, &weight)];
-    let [by_rates, by_side, by_weight] = causes.clone();
-    let beta_follows = factors(time, beta, &[by_rates, by_side, by_weight, late], step_s);
-    if let Some(of) = beta_follows
-        && let Some(late) = late_in_still_air("beta", [time, beta], &causes, &of, step_s)
+    let causes = [integral(time, &turned), integral(time, &side), integral(time, &weight), late];
+    if let Some(of) = factors(time, beta, &causes, step_s)
+        && let Some(late) = late_in_still_air::<4, 3>("beta", [time, beta], &causes, &of, step_s)
     {
         let off = |i: usize| is_off(of.value[i], of.std[i]);
         let text = |i: usize| format!("{:.3} ± {:.3}", of.value[i], 2.0 * of.std[i]);

@@ -42,11 +42,9 @@ pub(super) fn findings(channels: &Channels, gravity: f64) -> Option<Vec<Finding>
     let mut found = Vec::new();
     let path = path_rate(all, gravity);
     let late: Vec<f64> = q.iter().zip(&path).map(|(q, r)| -(q + r)).collect();
-    let turned = [integral(time, q), integral(time, &path)];
-    let [by_q, by_path] = turned.clone();
-    let alpha_follows = factors(time, alpha, &[by_q, by_path, late], step_s);
-    if let Some(of) = alpha_follows
-        && let Some(late) = late_in_still_air("alpha", [time, alpha], &turned, &of, step_s)
+    let causes = [integral(time, q), integral(time, &path), late];
+    if let Some(of) = factors(time, alpha, &causes, step_s)
+        && let Some(late) = late_in_still_air::<3, 2>("alpha", [time, alpha], &causes, &of, step_s)
     {
         let off = |i: usize| is_off(of.value[i], of.std[i]);
         let text = |i: usize| format!("{:.3} ± {:.3}", of.value[i], 2.0 * of.std[i]);
@@ -131,9 +129,8 @@ mod tests {
     const SPEED: f64 = 60.0;
     const GRAVITY: f64 = 9.80665;
 
-    /// A short period under 3-2-1-1s, in still air or in gusts that alpha shows and the aircraft follows: of a light aircraft (per s: Z_alpha = -1.5,
-    /// M_alpha = -20, M_q = -3) or of a slow one that is nearly neutral (-0.7, -0.5, -2). Alpha is recorded late by so many samples; all with a scatter
-    /// of sensors.
+    /// A short period (per s: Z_alpha, M_alpha, M_q) under 3-2-1-1s, in still air or in gusts that alpha shows and the aircraft
+    /// follows. Alpha is recorded late by so many samples; all with a scatter of sensors.
     fn flight([z_alpha, m_alpha, m_q]: [f64; 3], late: usize, gusts: f64, scatter: f64, seed: u64) -> Channels {
         let count = 750_usize;
         let fine = 20;
@@ -178,6 +175,7 @@ mod tests {
         Channels::for_tests((0..count).map(|k| k as f64 * STEP_S).collect(), columns)
     }
 
+    /// A light aircraft, and a slow one that is nearly neutral.
     const LIGHT: [f64; 3] = [-1.5, -20.0, -3.0];
     const SLOW: [f64; 3] = [-0.7, -0.5, -2.0];
 

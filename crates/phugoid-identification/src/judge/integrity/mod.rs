@@ -60,12 +60,12 @@ const LONG_S: f64 = 0.1;
 /// that it named have 0.54 or less (measured with a prototype of this regression).
 const CONFIRMED: f64 = 0.85;
 
-/// The delay of an angle against what turns it, if there is one; none in gusts, which the factors of such an equation follow. `of`: its factors on
-/// the `causes` and, last, on its own rate.
+/// The delay of an angle against what turns it, if there is one; none in gusts, which the factors of such an equation follow. `of`:
+/// its factors on the `C` causes, of which the last is its own rate and the `D` before it are what turns it.
 fn late_in_still_air<const C: usize, const D: usize>(
     channel: &'static str,
     [time_s, angle]: [&[f64]; 2],
-    causes: &[Vec<f64>; D],
+    causes: &[Vec<f64>; C],
     of: &Factors<C>,
     step_s: f64,
 ) -> Option<Vec<Finding>> {
@@ -77,7 +77,7 @@ fn late_in_still_air<const C: usize, const D: usize>(
         return Some(short.into_iter().collect());
     }
     let fitted = |late_s: f64, count: usize| {
-        let causes = causes.each_ref().map(|cause| cause[..count].to_vec());
+        let causes: [Vec<f64>; D] = std::array::from_fn(|i| causes[i][..count].to_vec());
         factors(&time_s[..count], &moved(time_s, angle, late_s)[..count], &causes, step_s)
     };
     let best = best_moved(time_s, step_s, fitted).filter(|best| best.left < CONFIRMED)?;

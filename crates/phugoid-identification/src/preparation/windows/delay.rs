@@ -92,8 +92,6 @@ pub(crate) struct Moved {
     pub(crate) left: f64,
     /// Mean over the windows of what it leaves less, in standard errors.
     pub(crate) agreed: f64,
-    /// [`Factors::unexplained`] with it.
-    pub(crate) unexplained: f64,
 }
 
 /// The time by which a channel was late with which an equation explains the motion best. `fitted` is the equation with the channel
@@ -115,12 +113,7 @@ pub(crate) fn best_moved<const C: usize>(
     let n = gain.len() as f64;
     let mean = gain.iter().sum::<f64>() / n;
     let variance = gain.iter().map(|g| (g - mean).powi(2)).sum::<f64>() / (n - 1.0);
-    Some(Moved {
-        late_s,
-        left: sum(&best) / sum(&recorded),
-        agreed: mean / (variance / n).sqrt(),
-        unexplained: best.unexplained,
-    })
+    Some(Moved { late_s, left: sum(&best) / sum(&recorded), agreed: mean / (variance / n).sqrt() })
 }
 
 /// A channel as it was recorded this time later, by straight lines.
