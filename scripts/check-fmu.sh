@@ -7,5 +7,5 @@ cd "$(dirname "$0")/.."
 scripts/python-tools.sh target/fmu/python scripts/fmu/requirements.txt
 # Of the whole workspace with its examples, as the tests have built it: of two crates alone, or without examples, the libraries have
 # other features, and all would be built once more.
-cargo build --quiet --locked --workspace --bins --lib --examples --features phugoid-cli/fmu
-target/fmu/python/bin/python scripts/fmu/check.py "${CARGO_TARGET_DIR:-target}/debug" target/fmu/files
+cargo build --quiet --locked --release --workspace --bins --lib --examples
+target/fmu/python/bin/python scripts/fmu/check.py "${CARGO_TARGET_DIR:-target}/release" target/fmu/files

@@ -13,11 +13,11 @@ trap 'rm -r "$folder"' EXIT
 
 # shellcheck disable=SC2046
 c++ -std=c++17 scripts/sdf/read_plugin.cpp -o "$folder/read_plugin" $(pkg-config --cflags --libs sdformat12)
-cargo build --quiet --locked -p phugoid-identification --example export_model
+cargo build --quiet --locked --release -p phugoid-identification --example export_model
 model=data/models/hfb320.toml
 {
     echo '<?xml version="1.0"?><sdf version="1.9"><model name="aircraft"><link name="base_link"/>'
-    "${CARGO_TARGET_DIR:-target}/debug/examples/export_model" "$model" gazebo
+    "${CARGO_TARGET_DIR:-target}/release/examples/export_model" "$model" gazebo
     echo '</model></sdf>'
 } > "$folder/aircraft.sdf"
 "$folder/read_plugin" "$folder/aircraft.sdf" > "$folder/read.txt"

@@ -16,4 +16,4 @@ recorded=$(pwd)/target/jsbsim
 # Said by name, so that the tests fail where they would otherwise be skipped.
 PHUGOID_JSBSIM=$("$python" -c 'import jsbsim, os; print(os.path.dirname(jsbsim.__file__))') \
 PHUGOID_JSBSIM_RECORDED=$recorded \
-    cargo test --workspace --locked --test integration -- jsbsim
+    cargo test --workspace --release --locked --test integration -- jsbsim

@@ -97,7 +97,34 @@ def main():
         units = {field.name: field.metadata[b"unit"].decode() for field in back.schema}
         assert units["alpha_rad"] == "rad" and units["q_rad_s"] == "rad/s" and units["flag"] == "1", units
         assert back["wild"].null_count == numpy.isnan(table["wild"]).sum()
+        workbook_of_a_refused_flight(folder)
         estimates(folder)
+
+
+def workbook_of_a_refused_flight(folder):
+    """A workbook with what a workbook can get wrong, in openpyxl: what looks like a formula is text, and what is no number is no
+    cell."""
+    path = folder / "refused.xlsx"
+    subprocess.run([EXAMPLES / "export_workbook", path], check=True, capture_output=True)
+    book = openpyxl.load_workbook(path)
+    assert book.sheetnames == ["Result", "Parameters", "Correlation", "Covariance", "Changes", "Events"], book.sheetnames
+    rows = {sheet: list(book[sheet].iter_rows(values_only=True)) for sheet in book.sheetnames}
+    told = rows["Result"]
+    assert told[1][:2] == ("status", "refused") and "neither the numbers" in told[2][1], told
+    assert any(row[1] == "The lift has the wrong sign." for row in told), told
+    head, first, second = rows["Parameters"]
+    at = head.index
+    assert first[at("name")] == "Cm_alpha" and first[at("value")] == -1.0 and first[at("unit")] == "per rad", first
+    assert first[at("bound (2 sigma)")] == 0.04 and first[at("truth")] is None, first
+    cell = book["Parameters"].cell(row=3, column=at("name") + 1)
+    assert cell.value == "=1+1" and cell.data_type == "s", (cell.value, cell.data_type)
+    assert second[at("value")] is None and second[at("std_error")] is None, second
+    assert rows["Covariance"][0][1:] == ("Cm_alpha", "=1+1") and rows["Covariance"][1][2] == 0.25 * (0.02 * 0.5)
+    assert rows["Correlation"][2][1] == 0.25
+    names, change = rows["Changes"]
+    assert [change[names.index(name)] for name in ("not before (s)", "not after (s)", "after")] == [3.5, 4.75, -1.0], change
+    assert rows["Events"][1][1] == "adopted"
+    print("  our workbook of a refused flight in openpyxl: words, numbers and gaps are those that were written")
 
 
 def estimates(folder):
