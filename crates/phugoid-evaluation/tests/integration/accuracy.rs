@@ -14,10 +14,12 @@ use phugoid_identification::model_file::ModelFile;
 use phugoid_simulation::flight::{fly, sense};
 use phugoid_simulation::scenario::Scenario;
 
+use crate::studies::flights;
+
 /// RMSE at the Cramer-Rao bound and bounds that hold, one short-period cycle after the input starts and at the end.
 #[test]
 fn calm_air_estimates_reach_the_bound() {
-    const RUNS: usize = 100;
+    let runs = flights(30, 100);
     // Four increments as published, and the elevator's effectiveness as a fifth.
     let with_elevator = CALM_SCENARIO.replace("[increments]", "[increments]\ndCm_elevator = 0.15");
     for (scenario, model) in [(CALM_SCENARIO, CALM_MODEL), (&with_elevator, DAMAGE_MODEL)] {
@@ -25,7 +27,7 @@ fn calm_air_estimates_reach_the_bound() {
         let model = ModelFile::parse("f16-model", model).unwrap();
         for method in [Method::Smpe, Method::Ekf] {
             let options = EstimateOptions { method: Some(method), ..EstimateOptions::default() };
-            let study = accuracy(&scenario, &model, &options, RUNS, &[4.7, 20.0], || ()).unwrap();
+            let study = accuracy(&scenario, &model, &options, runs, &[4.7, 20.0], || ()).unwrap();
             assert_reaches_the_bound(&study);
         }
     }
@@ -73,16 +75,16 @@ fn thesis_size_inputs_suffice_within_a_fifth_of_a_second() {
 /// again at the end. (`phugoid study damage` makes more runs.)
 #[test]
 fn damage_is_found_and_the_bounds_hold_again() {
-    const RUNS: usize = 30;
+    let runs = flights(12, 30);
     let scenario = Scenario::parse(DAMAGE_SCENARIO, "f16-damage").unwrap();
     let model = ModelFile::parse("f16-damage-model", DAMAGE_MODEL).unwrap();
-    let study = damage(&scenario, &model, RUNS, &[10.0], || ()).unwrap();
+    let study = damage(&scenario, &model, runs, &[10.0], || ()).unwrap();
     println!("{study:?}");
     assert_eq!((study.missed, study.false_alarms), (0, 0), "{study:?}");
     // The information limit for 5 % of all coefficients is above 1.6 s after the damage; detection needs a part of that.
     assert!(study.latency_median_s < 0.5 && study.latency_90_percent_s < 1.5, "{study:?}");
-    // 95.4 % less four standard errors of a fraction of 30 runs.
-    let lowest = 0.954 - 4.0 * (0.954 * 0.046 / RUNS as f64).sqrt();
+    // 95.4 % less four standard errors of a fraction of so many runs.
+    let lowest = 0.954 - 4.0 * (0.954 * 0.046 / runs as f64).sqrt();
     assert!(study.recovery[0].parameters.iter().all(|p| p.coverage > lowest), "{study:?}");
 }
 
@@ -90,12 +92,12 @@ fn damage_is_found_and_the_bounds_hold_again() {
 /// the four increments hold, and nobody believes in damage.
 #[test]
 fn bounds_hold_with_everything_that_disturbs() {
-    const RUNS: usize = 40;
+    let count = flights(15, 40);
     let scenario = Scenario::parse(GUST_SCENARIO, "f16-gust-actuators").unwrap();
     let model = ModelFile::parse("f16-gust-model", GUST_MODEL).unwrap();
     let flight = fly(&scenario).unwrap();
     let runs = monte_carlo(
-        RUNS,
+        count,
         |run| {
             let measured = sense(&flight.truth, &scenario, run as u64).unwrap();
             let estimation = estimate(&measured, &model, &EstimateOptions::default(), &mut |_| {}).unwrap();
@@ -110,10 +112,10 @@ fn bounds_hold_with_everything_that_disturbs() {
         let of = |run: &Vec<ParameterResult>| run.iter().find(|p| p.name == name).cloned().unwrap();
         let covered = runs.iter().map(of).filter(|p| (p.lower..=p.upper).contains(&truth)).count();
         let converged = runs.iter().map(of).filter(|p| p.status.word() == "converged").count();
-        println!("{name}: {covered} of {RUNS} covered, {converged} converged");
+        println!("{name}: {covered} of {count} covered, {converged} converged");
         // All runs share one gust and one set of biases, so their errors have a common part: 90 % is asked for less three
-        // standard errors of a fraction of 40 runs.
-        assert!(covered as f64 >= RUNS as f64 * (0.9 - 3.0 * (0.9 * 0.1 / RUNS as f64).sqrt()), "{name}: {covered}");
-        assert_eq!(converged, RUNS, "{name}");
+        // standard errors of a fraction of so many runs.
+        assert!(covered as f64 >= count as f64 * (0.9 - 3.0 * (0.9 * 0.1 / count as f64).sqrt()), "{name}: {covered}");
+        assert_eq!(converged, count, "{name}");
     }
 }

@@ -8,6 +8,8 @@ use phugoid_identification::model_file::ModelFile;
 use phugoid_simulation::flight::fly;
 use phugoid_simulation::scenario::Scenario;
 
+use crate::studies::flights;
+
 fn output_error() -> EstimateOptions {
     EstimateOptions { method: Some(Method::OutputError), ..EstimateOptions::default() }
 }
@@ -39,13 +41,13 @@ fn standard_errors_are_the_bound() {
 /// Calm air, 3-2-1-1, p = 4 and 5: RMSE over the bound, and two-sigma coverage.
 #[test]
 fn output_error_reaches_the_bound() {
-    const RUNS: usize = 100;
+    let runs = flights(30, 100);
     // The RMSE of n normal errors has the relative standard error 1/sqrt(2n), a coverage of 95.4 % that of sqrt(pq/n): four
     // of each.
-    let ratio_error = 4.0 / (2.0 * RUNS as f64).sqrt();
-    let coverage_error = 4.0 * (0.954 * 0.046 / RUNS as f64).sqrt();
+    let ratio_error = 4.0 / (2.0 * runs as f64).sqrt();
+    let coverage_error = 4.0 * (0.954 * 0.046 / runs as f64).sqrt();
     for (scenario, model) in cases() {
-        let study = accuracy(&scenario, &model, &output_error(), RUNS, &[19.99], || ()).unwrap();
+        let study = accuracy(&scenario, &model, &output_error(), runs, &[19.99], || ()).unwrap();
         for p in &study.checkpoints[0].parameters {
             let (ratio, coverage) = (p.rmse_over_cramer_rao, p.coverage);
             println!("{}: RMSE/CRB {ratio:.3}, bias {:.2e}, coverage {coverage:.3}", p.name, p.bias);

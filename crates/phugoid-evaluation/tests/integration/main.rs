@@ -5,6 +5,8 @@
 mod light_aircraft;
 #[path = "../../../../tests/shared_data.rs"]
 mod shared_data;
+#[path = "../../../../tests/studies.rs"]
+mod studies;
 
 mod accuracy;
 mod arena;

@@ -3,6 +3,8 @@
 
 #[path = "../../../../tests/shared_data.rs"]
 mod shared_data;
+#[path = "../../../../tests/studies.rs"]
+mod studies;
 
 mod against_record;
 mod damage;
