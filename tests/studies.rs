@@ -3,12 +3,7 @@
 //! A claim about many flights is checked with few of them each time that the tests run, and with all of them where
 //! `PHUGOID_WHOLE_STUDIES` is set: `scripts/check-studies.sh` does that. What is allowed follows from the number of flights.
 
-/// Whether studies fly all their flights.
-pub(crate) fn whole() -> bool {
-    std::env::var_os("PHUGOID_WHOLE_STUDIES").is_some()
-}
-
-/// The number of flights of a study.
-pub(crate) fn flights(few: usize, all: usize) -> usize {
-    if whole() { all } else { few }
+/// The number of flights of a study, or of what else it tries.
+pub(crate) fn size(few: usize, all: usize) -> usize {
+    if std::env::var_os("PHUGOID_WHOLE_STUDIES").is_some() { all } else { few }
 }

@@ -14,12 +14,12 @@ use phugoid_identification::model_file::ModelFile;
 use phugoid_simulation::flight::{fly, sense};
 use phugoid_simulation::scenario::Scenario;
 
-use crate::studies::flights;
+use crate::studies::size;
 
 /// RMSE at the Cramer-Rao bound and bounds that hold, one short-period cycle after the input starts and at the end.
 #[test]
 fn calm_air_estimates_reach_the_bound() {
-    let runs = flights(30, 100);
+    let runs = size(30, 100);
     // Four increments as published, and the elevator's effectiveness as a fifth.
     let with_elevator = CALM_SCENARIO.replace("[increments]", "[increments]\ndCm_elevator = 0.15");
     for (scenario, model) in [(CALM_SCENARIO, CALM_MODEL), (&with_elevator, DAMAGE_MODEL)] {
@@ -75,7 +75,7 @@ fn thesis_size_inputs_suffice_within_a_fifth_of_a_second() {
 /// again at the end. (`phugoid study damage` makes more runs.)
 #[test]
 fn damage_is_found_and_the_bounds_hold_again() {
-    let runs = flights(12, 30);
+    let runs = size(12, 30);
     let scenario = Scenario::parse(DAMAGE_SCENARIO, "f16-damage").unwrap();
     let model = ModelFile::parse("f16-damage-model", DAMAGE_MODEL).unwrap();
     let study = damage(&scenario, &model, runs, &[10.0], || ()).unwrap();
@@ -92,7 +92,7 @@ fn damage_is_found_and_the_bounds_hold_again() {
 /// the four increments hold, and nobody believes in damage.
 #[test]
 fn bounds_hold_with_everything_that_disturbs() {
-    let count = flights(15, 40);
+    let count = size(15, 40);
     let scenario = Scenario::parse(GUST_SCENARIO, "f16-gust-actuators").unwrap();
     let model = ModelFile::parse("f16-gust-model", GUST_MODEL).unwrap();
     let flight = fly(&scenario).unwrap();

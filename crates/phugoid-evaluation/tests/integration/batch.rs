@@ -8,7 +8,7 @@ use phugoid_identification::model_file::ModelFile;
 use phugoid_simulation::flight::fly;
 use phugoid_simulation::scenario::Scenario;
 
-use crate::studies::flights;
+use crate::studies::size;
 
 fn output_error() -> EstimateOptions {
     EstimateOptions { method: Some(Method::OutputError), ..EstimateOptions::default() }
@@ -41,7 +41,7 @@ fn standard_errors_are_the_bound() {
 /// Calm air, 3-2-1-1, p = 4 and 5: RMSE over the bound, and two-sigma coverage.
 #[test]
 fn output_error_reaches_the_bound() {
-    let runs = flights(30, 100);
+    let runs = size(30, 100);
     // The RMSE of n normal errors has the relative standard error 1/sqrt(2n), a coverage of 95.4 % that of sqrt(pq/n): four
     // of each.
     let ratio_error = 4.0 / (2.0 * runs as f64).sqrt();

@@ -5,21 +5,18 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use phugoid_evaluation::detection::{Air, Stick, detection, detection_flights};
 
-use crate::studies::flights;
-
 #[test]
 fn damage_is_found_and_a_right_model_is_left_alone() {
     let done = AtomicUsize::new(0);
-    let each = flights(2, 4);
-    let study = detection(each, 910_000, &|| _ = done.fetch_add(1, Ordering::Relaxed)).unwrap();
-    assert_eq!(done.into_inner(), detection_flights(each));
+    let study = detection(4, 910_000, &|| _ = done.fetch_add(1, Ordering::Relaxed)).unwrap();
+    assert_eq!(done.into_inner(), detection_flights(4));
     assert_eq!((study.damage.len(), study.model_error.len()), (8, 18));
     for line in &study.damage {
         // Nobody knows it sooner than an observer who is told what to look for, and doubt comes before belief.
         assert!(line.informed_s[0] <= line.doubt_s[0] && line.doubt_s[0] <= line.adoption_s[0], "{line:?}");
         if line.air == Air::Calm && line.stick == Stick::Pilot {
             assert_eq!((line.missed, line.false_before), (0, 0), "{line:?}");
-            // 0.22 s in the median of 100 flights (docs/methods.md); these are two or four.
+            // 0.22 s in the median of 100 flights (docs/methods.md); these are four.
             assert!(line.adoption_s[0] <= 0.7, "{line:?}");
         }
         for at in &line.recovery {

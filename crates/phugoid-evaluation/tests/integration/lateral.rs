@@ -6,7 +6,7 @@ use phugoid_identification::estimate::EstimateOptions;
 use phugoid_identification::model_file::ModelFile;
 use phugoid_simulation::scenario::built_in;
 
-use crate::studies::flights;
+use crate::studies::size;
 
 /// The built-in scenario of this name against a model, printed.
 fn study(name: &str, model: &ModelFile, runs: usize, at: &[f64]) -> AccuracyStudy {
@@ -45,7 +45,7 @@ fn limits(aim: f64, runs: usize) -> [f64; 2] {
 /// The target is 1.2 times the bound for each of the eighteen (200 runs: 1.13 at most).
 #[test]
 fn eighteen_lateral_derivatives_are_found_as_well_as_they_can_be() {
-    let runs = flights(20, 60);
+    let runs = size(20, 60);
     let study = study("f16-lateral", &model("f16-lateral"), runs, &[20.0]);
     let [most, least] = limits(1.2, runs);
     let found = &study.checkpoints[0].parameters;
@@ -60,7 +60,7 @@ fn eighteen_lateral_derivatives_are_found_as_well_as_they_can_be() {
 
 #[test]
 fn all_six_coefficients_are_found_together() {
-    let runs = flights(12, 40);
+    let runs = size(12, 40);
     let study = study("f16-six", &model("f16-six"), runs, &[30.0]);
     let [most, least] = limits(1.3, runs);
     let found = &study.checkpoints[0].parameters;

@@ -12,7 +12,7 @@ use phugoid_identification::model_file::{ModelFile, ReferenceValue, Source};
 use phugoid_simulation::flight::fly;
 use phugoid_simulation::scenario::Scenario;
 
-use crate::studies::whole;
+use crate::studies::size;
 
 /// A flight, its true parameters by name, and the reference point of its increments.
 struct Flown {
@@ -73,11 +73,12 @@ fn put(quantity: UncertainQuantity, c: f64, record: &mut Record, model: &mut Mod
     }
 }
 
+/// The first two are an error of a sensor and one of the model file.
 const SCALES: [UncertainQuantity; 5] = [
     UncertainQuantity::AirspeedScale,
+    UncertainQuantity::Mass,
     UncertainQuantity::FlowAngleScale,
     UncertainQuantity::SurfaceScale,
-    UncertainQuantity::Mass,
     UncertainQuantity::Inertia,
 ];
 
@@ -95,18 +96,17 @@ fn a_scale_that_is_off_stays_within_the_bounds_that_hold_by_default() {
     let [default, none] = ["", "[uncertainty]\n"].map(|uncertainty| model("f16", uncertainty, &right));
     assert!(default.uncertainty.by_default && !none.uncertainty.by_default);
     let mut worst = [0.0_f64; 2];
-    let few = [Method::Smpe, Method::EquationError, Method::EquationErrorFrequency];
-    let all = [
+    // Where a few are tried, the first. Those in the frequency domain and `rls` carry the errors by the powers of the scales.
+    let methods = [
         Method::Smpe,
+        Method::EquationError,
+        Method::EquationErrorFrequency,
         Method::Ekf,
         Method::OutputError,
-        Method::EquationError,
-        // Those carry the errors by the powers of the scales.
         Method::Rls,
         Method::OutputErrorFrequency,
-        Method::EquationErrorFrequency,
     ];
-    for &method in if whole() { &all[..] } else { &few } {
+    for &method in &methods[..size(3, methods.len())] {
         for quantity in SCALES {
             let c = default.uncertainty.of_quantity(quantity);
             for (declared, worst) in [&default, &none].into_iter().zip(&mut worst) {
@@ -194,9 +194,7 @@ fn six_coefficients_hold_the_scales_of_the_whole_derivatives() {
     for name in ["f16-six", "f16-lateral"] {
         let right = flown(name);
         let [default, none] = ["", "[uncertainty]\n"].map(|uncertainty| model(name, uncertainty, &right));
-        // Of the few, one is an error of a sensor, and one of the model file.
-        let few = [UncertainQuantity::AirspeedScale, UncertainQuantity::Mass];
-        for &quantity in if whole() { &SCALES[..] } else { &few } {
+        for &quantity in &SCALES[..size(2, SCALES.len())] {
             let c = default.uncertainty.of_quantity(quantity);
             for declared in [&default, &none] {
                 let (mut record, mut wrong) = (right.measured.clone(), declared.clone());
