@@ -76,10 +76,10 @@ fn put(quantity: UncertainQuantity, c: f64, record: &mut Record, model: &mut Mod
 /// The first two are an error of a sensor and one of the model file.
 const SCALES: [UncertainQuantity; 5] = [
     UncertainQuantity::AirspeedScale,
-    UncertainQuantity::Mass,
+    UncertainQuantity::Inertia,
     UncertainQuantity::FlowAngleScale,
     UncertainQuantity::SurfaceScale,
-    UncertainQuantity::Inertia,
+    UncertainQuantity::Mass,
 ];
 
 fn estimated(record: &Record, model: &ModelFile, method: Method) -> Estimation {
