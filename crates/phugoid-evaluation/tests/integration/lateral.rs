@@ -35,11 +35,11 @@ fn model(name: &str) -> ModelFile {
     ModelFile::named(name).unwrap()
 }
 
-/// Three and a half relative standard errors of the RMSE of so many runs above what is aimed at, and as many of a coverage of 90 %
-/// below it: beyond once in some thousand.
+/// Three and a half relative standard errors of the RMSE of so many runs above what is aimed at, and 3.3 of a coverage of 90 % below it:
+/// beyond once in some thousand.
 fn limits(aim: f64, runs: usize) -> [f64; 2] {
-    let of = |variance: f64| 3.5 * (variance / runs as f64).sqrt();
-    [aim * (1.0 + of(0.5)), 0.9 - of(0.9 * 0.1)]
+    let error = |variance: f64| (variance / runs as f64).sqrt();
+    [aim * (1.0 + 3.5 * error(0.5)), 0.9 - 3.3 * error(0.9 * 0.1)]
 }
 
 /// The target is 1.2 times the bound for each of the eighteen (200 runs: 1.13 at most).
