@@ -4,7 +4,9 @@
 set -eu
 cd "$(dirname "$0")/.."
 
-again=$(cargo build --quiet --locked --release --message-format=json |
+# In two steps, so that a build that fails ends here.
+built=$(cargo build --quiet --locked --release --message-format=json)
+again=$(printf "%s\n" "$built" |
     sed -n 's/.*"reason":"compiler-artifact".*"target":{[^}]*"name":"\([^"]*\)".*"features":\(\[[^]]*\]\).*"fresh":false.*/\1 \2/p')
 if [ -n "$again" ]; then
     echo "one build: compiled once more for the program, for the tests had other features of these, or of what these need:" >&2

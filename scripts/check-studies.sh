@@ -1,5 +1,5 @@
 #!/bin/sh
-# Runs the studies among the tests with all their flights: .ci/run flies some of each. Half an hour on two cores.
+# Runs the studies among the tests with all their flights: .ci/run flies some of each.
 set -eu
 cd "$(dirname "$0")/.."
 
