@@ -253,6 +253,11 @@ pub trait Inspect<const R: usize, const P: usize>: Estimator<R, P> {
         false
     }
 
+    /// The same of these columns alone. False where the method cannot.
+    fn reopen_columns_now(&mut self, _columns: &[usize]) -> bool {
+        false
+    }
+
     /// What the change detector knows; none for a method without one.
     fn detector(&self) -> Option<DetectorReport> {
         None

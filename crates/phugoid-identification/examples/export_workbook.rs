@@ -1,6 +1,7 @@
 //! Writes the workbook of a result in which is what a workbook can get wrong: a name that looks like a formula, values that are no
 //! numbers, a sentence about a refused flight, an adopted change. `export_workbook OUT.xlsx`, for the check by openpyxl.
 
+use phugoid_identification::estimate::Opens;
 use phugoid_identification::estimation::{
     AdoptedChange, ChangeOutcome, ChangedParameter, Estimation, EstimationStatus, Event, EventKind, ParameterResult,
 };
@@ -29,6 +30,7 @@ fn result() -> serde_json::Result<Estimation> {
         changes: vec![AdoptedChange {
             time_s: 4.5,
             interval_s: Some([3.5, 4.75]),
+            opens: Opens::Everything,
             outcome: ChangeOutcome::Confirmed,
             parameters: vec![ChangedParameter {
                 name: "Cm_alpha".into(),

@@ -66,15 +66,29 @@ where
     /// # Ok::<(), phugoid_estimators::settings::SettingsError>(())
     /// ```
     pub fn reopen_now(&mut self) -> bool {
-        let change = self.change_over_prior();
+        self.open_now(|_| true)
+    }
+
+    /// Like [`reopen_now`](Self::reopen_now) for a change of these columns alone: of constants where a store is
+    /// released or something jams (a trim shift), for example. Columns without a change prior stay closed.
+    ///
+    /// Gives `false`, and changes nothing, if none of them has a change prior or the arithmetic fails.
+    pub fn reopen_columns_now(&mut self, columns: &[usize]) -> bool {
+        self.open_now(|column| columns.contains(&column))
+    }
+
+    fn open_now(&mut self, is_meant: impl Fn(usize) -> bool) -> bool {
+        let mut change = self.change_over_prior();
         let mut tested = Places::<P>::NONE;
         for j in 0..self.columns.count() {
-            if change[j] > 0.0 {
+            if !is_meant(j) {
+                change[j] = 0.0;
+            } else if change[j] > 0.0 {
                 tested.push(j);
             }
         }
         let mut opened = self.champion;
-        let reopened = Reopened::new(self.last_s, &opened.variances(), &change);
+        let reopened = Reopened::new(self.last_s, &opened.variances(), &change).with(&self.reopened);
         // The state has not been estimated wrongly yet: no allowance.
         if tested.len() == 0 || !opened.reopen(&self.columns, tested.as_slice(), &change, &[0.0; N]) {
             return false;

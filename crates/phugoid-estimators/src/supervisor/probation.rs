@@ -62,13 +62,22 @@ pub(super) struct Reopened<const P: usize> {
 impl<const P: usize> Reopened<P> {
     pub(super) const NONE: Self = Self { since_s: f64::NAN, limit: [0.0; P] };
 
-    /// `former`: scaled variances before the change; `change_over_prior`: one sigma of the change that was allowed for.
+    /// `former`: scaled variances before the change; `change_over_prior`: one sigma of the change that was allowed for, zero
+    /// for what was not opened.
     pub(super) fn new(since_s: f64, former: &[f64; P], change_over_prior: &[f64; P]) -> Self {
         let limit = core::array::from_fn(|j| {
             let change = change_over_prior[j] * change_over_prior[j];
             if change > 0.0 { former[j] + EXCITED * change } else { 0.0 }
         });
         Self { since_s, limit }
+    }
+
+    /// The same with what an earlier change has opened and this one does not: it stays unknown until it is excited.
+    pub(super) fn with(mut self, earlier: &Self) -> Self {
+        for (limit, earlier) in self.limit.iter_mut().zip(&earlier.limit) {
+            *limit = limit.max(*earlier);
+        }
+        self
     }
 
     /// Notes the present scaled variances: what has become known stays so.
@@ -118,5 +127,9 @@ mod tests {
         // Known once: it stays so, whatever a later doubt adds.
         reopened.note(&[0.4, 0.2, 0.5]);
         assert!(!reopened.any());
+        // What an earlier change has opened stays unknown if this one does not open it.
+        let earlier = Reopened::new(3.0, &[0.01, 0.02, 0.5], &[1.0, 0.0, 0.0]);
+        let both = Reopened::new(4.0, &[1.0, 0.02, 0.5], &[0.0, 0.4, 0.0]).with(&earlier);
+        assert!(both.is_unknown(0) && both.is_unknown(1) && !both.is_unknown(2));
     }
 }

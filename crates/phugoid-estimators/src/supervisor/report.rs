@@ -233,6 +233,10 @@ where
         Self::reopen_now(self)
     }
 
+    fn reopen_columns_now(&mut self, columns: &[usize]) -> bool {
+        Self::reopen_columns_now(self, columns)
+    }
+
     fn restarts(&self) -> u32 {
         Self::restarts(self)
     }

@@ -640,8 +640,30 @@ fn what_has_no_change_prior_cannot_be_opened() {
     let mut estimator = Jet::new(JET, settings).unwrap();
     run(&mut estimator, &jet_flight(1, 300));
     let before = estimator.estimate();
-    assert!(!estimator.reopen_now());
+    assert!(!estimator.reopen_now() && !estimator.reopen_columns_now(&[0]));
     assert_eq!(estimator.estimate(), before);
+}
+
+/// Of a change of one parameter the others stay as known as they were, and what an earlier change has opened stays unknown.
+#[test]
+fn the_columns_that_are_meant_are_opened_alone() {
+    let mut settings = jet_settings();
+    settings.change_detection = None;
+    let mut estimator = Jet::new(JET, settings).unwrap();
+    run(&mut estimator, &jet_flight(1, 1500));
+    let before = estimator.estimate();
+    // A column that does not exist is no column.
+    assert!(!estimator.reopen_columns_now(&[]) && !estimator.reopen_columns_now(&[99]));
+    assert_eq!(estimator.estimate(), before);
+    assert!(estimator.reopen_columns_now(&[2]));
+    let opened = estimator.estimate();
+    for j in 0..4 {
+        let grown = opened.std_error[j] / before.std_error[j];
+        assert!(if j == 2 { grown > 3.0 } else { (grown - 1.0).abs() < 1e-9 }, "{j}: {grown}");
+        assert_eq!(opened.parameters[j], before.parameters[j]);
+    }
+    assert!(estimator.reopen_now());
+    assert!((0..4).all(|j| estimator.estimate().std_error[j] > 0.4 * jet_priors()[j].std));
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Damage: found or missed, how soon, and how good the estimates are afterwards.
 
-use phugoid_identification::estimate::{EstimateOptions, estimate};
+use phugoid_identification::estimate::{EstimateOptions, KnownChange, Opens, estimate};
 use phugoid_identification::estimation::{Estimation, EventKind};
 use phugoid_identification::model_file::ModelFile;
 use serde::Serialize;
@@ -163,7 +163,7 @@ fn one_run(drawn: &Drawn, model: &ModelFile, damage_at_s: f64) -> Result<Run, St
     let ours = estimate(measured, model, &EstimateOptions::causal(), &mut |_| {})?;
     let told = EstimateOptions {
         change_detection: Some(false),
-        known_changes_s: vec![damage_at_s],
+        known_changes: vec![KnownChange { time_s: damage_at_s, opens: Opens::Everything }],
         ..EstimateOptions::causal()
     };
     let oracle = estimate(measured, model, &told, &mut |_| {})?;

@@ -12,6 +12,7 @@ pub use phugoid_estimators::verdict::Readiness;
 pub use phugoid_estimators::{ChangeState, ParameterStatus, Phase};
 
 use super::method::Method;
+use super::options::Opens;
 pub use super::soundness::{EstimationStatus, ReasonCode, VerdictReason, headline, status_of};
 use super::systematic::in_words;
 pub use super::systematic::{SystematicPart, UncertainQuantity, UncertaintyUnit};
@@ -369,9 +370,13 @@ pub struct AdoptedChange {
     /// happened before `time_s` then) or given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub interval_s: Option<[f64; 2]>,
+    /// Which parameters may have changed: every one, or the constants alone.
+    #[serde(default)]
+    pub opens: Opens,
     /// What has become of it.
     pub outcome: ChangeOutcome,
-    /// The estimates before and after it, one per estimated parameter.
+    /// The estimates before and after it, one per parameter that was opened for it: every estimated one, or the constants
+    /// alone where these explain the record as well (a trim shift).
     pub parameters: Vec<ChangedParameter>,
 }
 

@@ -114,6 +114,26 @@ impl std::str::FromStr for Band {
     }
 }
 
+/// A change of the aircraft that is known from another source than the record (damage, a flap, a store released).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct KnownChange {
+    /// When, s on the clock of the record: the parameters are opened again before the first sample that is not earlier.
+    pub time_s: f64,
+    /// What may have changed.
+    pub opens: Opens,
+}
+
+/// Which parameters a change opens again.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Opens {
+    /// All: any derivative may be another one.
+    #[default]
+    Everything,
+    /// The constant terms alone: a constant force or moment (a trim shift) sets in, the derivatives stay.
+    Constants,
+}
+
 /// Settings of one estimation beside those of the model file. The default changes nothing of the model file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct EstimateOptions {
@@ -124,10 +144,9 @@ pub struct EstimateOptions {
     /// Time from which times of convergence count, s, where the record is a part of one that began earlier; none: its
     /// own first sample.
     pub start_s: Option<f64>,
-    /// Times (s, increasing) at which the parameters are known to change, from another source than the record: the
-    /// parameters are opened again before the first sample that is not earlier than each. Methods without change
+    /// Changes of the aircraft that are known from another source than the record, in order of time. Methods without change
     /// detection ignore them.
-    pub known_changes_s: Vec<f64>,
+    pub known_changes: Vec<KnownChange>,
     /// Whether the result is what a live session would have had. Otherwise SMPE and the EKF, with a model in absolute form, look at
     /// the whole record again for changes that were not found in flight ([`ChangeOutcome::FoundAfterwards`](super::estimation::ChangeOutcome::FoundAfterwards)),
     /// and equation error stands beside both ([`Estimation::second_answer`](super::estimation::Estimation::second_answer)); that takes

@@ -18,6 +18,11 @@ const MOVING: usize = 1;
 /// that a flight is asked for has to.
 const SHARE: f64 = 0.05;
 
+/// A constant that changes alone has to make this part of what the largest derivative of its coefficient makes about its mean: where
+/// nothing changes, terms that a model lacks make 0.08 of flights whose evidence counts, and trim shifts of a degree of elevator 0.17
+/// and more (docs/methods.md, looking back).
+const TRIM_SHIFT: f64 = 0.15;
+
 /// Whether two values of a derivative differ by more than missing terms make.
 pub(super) fn is_material(before: f64, after: f64) -> bool {
     (after - before).abs() >= MATERIAL * before.abs().max(after.abs())
@@ -48,6 +53,9 @@ struct Side {
     is_alike: bool,
     /// Motion of the equation that one unit of the parameter makes, as a part of that by the largest term.
     reach: f64,
+    /// What one unit of a constant makes of the equation, as a part of what the largest derivative makes about its mean; zero for
+    /// a derivative.
+    shift: f64,
 }
 
 impl BothSides {
@@ -73,8 +81,12 @@ impl BothSides {
                     continue;
                 };
                 let Some(side) = side else { continue };
+                let shift = column.map_or(side.shift, |known| known.shift.max(side.shift));
                 if column.is_none_or(|known| side.is_alike && (!known.is_alike || side.reach > known.reach)) {
                     *column = Some(side);
+                }
+                if let Some(column) = column {
+                    column.shift = shift;
                 }
             }
         }
@@ -90,6 +102,24 @@ impl BothSides {
         let is_large = if side.is_constant { counts >= MATERIAL } else { is_material(before, after) };
         side.is_alike && counts >= SHARE && is_large
     }
+
+    /// Whether another value of a constant, with everything else as it was, moves the aircraft by more than missing terms do.
+    pub(crate) fn is_trim_shift(&self, column: usize, before: f64, after: f64) -> bool {
+        let side = self.columns.get(column).copied().flatten();
+        side.is_some_and(|side| (after - before).abs() * side.shift >= TRIM_SHIFT)
+    }
+}
+
+/// What one unit of a constant makes of an equation, as a part of what the largest derivative makes about its mean.
+fn shift(equation: &ByBlock, constant: usize) -> f64 {
+    let sum = |a: usize, b: usize| equation.sums.iter().map(|block| block[(a, b)]).sum::<f64>();
+    let own = sum(constant, constant);
+    let about_mean = |j: usize| {
+        let both = sum(j, constant);
+        equation.values[j].abs() * (sum(j, j) - both * both / own).max(0.0).sqrt()
+    };
+    let largest = (0..equation.used.len()).filter(|j| *j != constant).map(about_mean).fold(0.0, f64::max);
+    if largest > 0.0 { own.sqrt() / largest } else { 0.0 }
 }
 
 /// What each regressor of an equation tells on both sides of a block; `None` where it cannot be told from the others.
@@ -108,6 +138,7 @@ fn sides(equation: &ByBlock, split: usize, is_constant: &dyn Fn(usize) -> bool) 
             is_constant: is_constant(j),
             is_alike: is_alike(motion) && moves,
             reach: less(j).sqrt() / largest,
+            shift: if is_constant(j) { shift(equation, j) } else { 0.0 },
         })
     };
     (0..u).map(side).collect()

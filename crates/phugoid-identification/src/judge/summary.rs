@@ -10,7 +10,7 @@ use crate::core::estimation::{
     AdoptedChange, ChangedParameter, Estimation, FinalStatus, History, OutputConsistency, ParameterHistory,
     ParameterResult, Signal, status_of,
 };
-use crate::core::options::EstimateOptions;
+use crate::core::options::{EstimateOptions, Opens};
 use crate::core::output::Output;
 use crate::judge::effective::{effective, sentence};
 use crate::judge::equations::Equations;
@@ -101,11 +101,15 @@ fn changes<const R: usize>(columns: &[(&Parameter, Option<usize>)], run: &Run<R>
     let of = |change: &RunChange| AdoptedChange {
         time_s: change.time_s,
         interval_s: change.interval_s,
+        opens: change.opens,
         outcome: change.outcome,
         parameters: columns
             .iter()
             .filter_map(|(parameter, column)| {
                 let j = (*column)?;
+                if change.opens == Opens::Constants && !parameter.role.is_constant() {
+                    return None;
+                }
                 let ([before, before_std], [after, after_std]) = (*change.before.get(j)?, *change.after.get(j)?);
                 Some(ChangedParameter { name: parameter.name.clone(), before, before_std, after, after_std })
             })

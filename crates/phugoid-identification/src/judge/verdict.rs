@@ -7,6 +7,7 @@ use crate::core::estimation::{
     AdoptedChange, BatchReport, ChangeOutcome, ChangedParameter, EstimationStatus, FinalStatus, History,
     ParameterResult, ReasonCode, Signal, VerdictReason, headline,
 };
+use crate::core::options::Opens;
 use crate::judge::contradiction::{Spread, colour};
 use crate::judge::{physics, systematic};
 use crate::methods::{Run, Task};
@@ -313,11 +314,15 @@ fn before_and_after(change: &AdoptedChange, contradicted: bool) -> String {
     changed.sort_by(|a, b| b.sigmas().abs().total_cmp(&a.sigmas().abs()));
     // A constant: the term `1` of a coefficient, or an offset.
     let is_constant = |p: &&ChangedParameter| p.name.ends_with("_0") || p.name.starts_with("offset");
-    let trim_shift = changed.first().is_some_and(is_constant) && {
-        let rest = changed.iter().filter(|p| !is_constant(p));
-        rest.clone().count() == 0
-            || rest.map(|p| p.sigmas().abs()).fold(0.0, f64::max) < changed[0].sigmas().abs() / 2.0
-    };
+    let trim_shift = change.opens == Opens::Constants
+        || changed.first().is_some_and(is_constant) && {
+            let rest = changed.iter().filter(|p| !is_constant(p));
+            rest.map(|p| p.sigmas().abs()).fold(0.0, f64::max) < changed[0].sigmas().abs() / 2.0
+        };
+    if changed.is_empty() && change.opens == Opens::Constants {
+        // The standard errors of a constant are mostly those of the derivatives, which are the same before and after.
+        changed.extend(change.parameters.iter().max_by(|a, b| a.sigmas().abs().total_cmp(&b.sigmas().abs())));
+    }
     let list: Vec<String> = changed
         .iter()
         .map(|p| {

@@ -4,6 +4,7 @@ use phugoid_estimators::{ChangeState, Estimate};
 
 use super::task::RunChange;
 use crate::core::estimation::ChangeOutcome;
+use crate::core::options::Opens;
 
 /// Follows the estimates and notes what each adopted change has changed.
 #[derive(Default)]
@@ -14,8 +15,8 @@ pub(super) struct Changes {
 }
 
 impl Changes {
-    /// Takes an estimate as it is shown, of which `columns` are in use.
-    pub(super) fn look<const P: usize>(&mut self, estimate: &Estimate<P>, time_s: f64, columns: usize) {
+    /// Takes an estimate as it is shown, of which `columns` are in use. `opens` is what an adopted change has opened.
+    pub(super) fn look<const P: usize>(&mut self, estimate: &Estimate<P>, time_s: f64, columns: usize, opens: Opens) {
         let now = || -> Vec<[f64; 2]> {
             estimate.parameters[..columns]
                 .iter()
@@ -30,7 +31,7 @@ impl Changes {
                     last.after.clone_from(&before);
                 }
                 let outcome = ChangeOutcome::OnProbation;
-                self.found.push(RunChange { time_s, interval_s: None, outcome, before, after: now() });
+                self.found.push(RunChange { time_s, interval_s: None, opens, outcome, before, after: now() });
             }
             ChangeState::RolledBack => self.settle(ChangeOutcome::RolledBack),
             ChangeState::Steady => self.settle(ChangeOutcome::Confirmed),

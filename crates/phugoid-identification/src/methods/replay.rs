@@ -36,8 +36,8 @@ struct CatchingUp<I: Input, const R: usize, const P: usize> {
 /// The samples since the first one, and what has been made of them.
 pub(super) struct Replay<I: Input, const N: usize, const R: usize, const P: usize> {
     samples: Vec<Sample<I, R>>,
-    /// Samples before which the parameters were opened for a known change, by number.
-    opened: Vec<usize>,
+    /// Samples before which columns were opened for a known change, by number, and these columns.
+    opened: Vec<(usize, Vec<usize>)>,
     looks_s: Vec<f64>,
     last: Option<NoiseReport<R>>,
     catching_up: Option<CatchingUp<I, R, P>>,
@@ -72,9 +72,9 @@ impl<I: Input, const N: usize, const R: usize, const P: usize> Replay<I, N, R, P
         }
     }
 
-    /// The parameters are opened for a known change before the next sample.
-    pub(super) fn open(&mut self) {
-        self.opened.push(self.samples.len());
+    /// These columns are opened for a known change before the next sample.
+    pub(super) fn open(&mut self, columns: &[usize]) {
+        self.opened.push((self.samples.len(), columns.to_vec()));
     }
 
     /// Takes the sample that `estimator` has just taken, with the estimate that it gave. Gives the filter that takes its
@@ -113,8 +113,8 @@ impl<I: Input, const N: usize, const R: usize, const P: usize> Replay<I, N, R, P
         if let Some(second) = &mut self.catching_up {
             for _ in 0..CATCH_UP {
                 let Some(sample) = self.samples.get(second.next) else { break };
-                if self.opened.contains(&second.next) {
-                    second.estimator.reopen_now();
+                for (_, columns) in self.opened.iter().filter(|(before, _)| *before == second.next) {
+                    second.estimator.reopen_columns_now(columns);
                 }
                 second.estimate = Some(second.estimator.update(sample));
                 second.next += 1;

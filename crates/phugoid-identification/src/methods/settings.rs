@@ -10,8 +10,9 @@ use phugoid_flight_data::statistics::median_step;
 
 use crate::core::axes::Axes;
 use crate::core::error::EstimateError;
-use crate::core::options::EstimateOptions;
+use crate::core::options::{EstimateOptions, Opens};
 use crate::core::output::Output;
+use crate::core::term::{Coefficient, Variable};
 use crate::model_file::{Base, LIGHT_TURBULENCE, ModelFile, Parameter, Role};
 use crate::motion::Motion;
 use crate::preparation::noise::NoiseLevel;
@@ -45,7 +46,7 @@ pub(super) fn shared_settings<M: Motion<N, R>, const N: usize, const R: usize, c
     let tuned = &file.estimator;
     let priors: Vec<ParameterPrior> = own
         .map(|p| {
-            let prior = prior(p, file.base);
+            let prior = prior(p, file, options.known_changes.iter().any(|change| change.opens == Opens::Constants));
             ParameterPrior { std: prior.std * if p.is_nuisance() { 1.0 } else { tuned.prior_scale }, ..prior }
         })
         .collect();
@@ -130,17 +131,43 @@ fn unmeasured_start<M: Motion<N, R>, const N: usize, const R: usize>(
     })
 }
 
-fn prior(parameter: &Parameter, base: Base) -> ParameterPrior {
+/// A trim shift that is known of is of the order of what this angle makes by the largest derivative of its coefficient,
+/// rad: a trim shift is measured in degrees of surface or angle of attack. A part of the constant itself would say nothing,
+/// because where it is zero depends on where angles are counted from.
+const TRIM_SHIFT_RAD: f64 = 0.02;
+
+/// What is known of a parameter beforehand. A change of everything, which the detector looks for, keeps the smaller changes of constants:
+/// with larger ones more changes are adopted in healthy flights, most of them in the first seconds.
+fn prior(parameter: &Parameter, file: &ModelFile, trim_shifts: bool) -> ParameterPrior {
     let [lower, upper] = parameter.bounds.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
     let quarter = 0.25 * (upper - lower);
-    let change_std = match (parameter.change_std, base) {
+    let change_std = match (parameter.change_std, file.base, &parameter.role) {
         _ if parameter.is_nuisance() => ChangePrior::None,
-        (Some(std), _) => ChangePrior::Fixed(std),
-        (None, Base::F16 | Base::Aircraft) => ChangePrior::Fixed(quarter.min(parameter.prior_std)),
+        (Some(std), ..) => ChangePrior::Fixed(std),
+        (None, Base::F16 | Base::Aircraft, _) => ChangePrior::Fixed(quarter.min(parameter.prior_std)),
+        (None, Base::None, Role::Term(coefficient, term)) if trim_shifts && term.is_constant() => {
+            ChangePrior::Fixed(quarter.min(trim_shift(*coefficient, file).unwrap_or(parameter.prior_std)))
+        }
         // In absolute form a sudden change is of the order of half the parameter, not of the start prior.
-        (None, Base::None) => ChangePrior::Relative { fraction: 0.5, maximum: quarter },
+        (None, Base::None, _) => ChangePrior::Relative { fraction: 0.5, maximum: quarter },
     };
     ParameterPrior { initial: parameter.start, std: parameter.prior_std, lower, upper, change_std }
+}
+
+/// One sigma of a sudden change of the constant of a coefficient; none where no angle makes that coefficient.
+fn trim_shift(coefficient: Coefficient, file: &ModelFile) -> Option<f64> {
+    let of_an_angle = |parameter: &&Parameter| match &parameter.role {
+        Role::Term(own, term) => *own == coefficient && term.single().is_some_and(is_angle),
+        Role::Offset(_) | Role::Bias(_) => false,
+    };
+    let sizes = file.parameters.iter().filter(of_an_angle).map(|p| p.start.abs().max(p.prior_std));
+    sizes.reduce(f64::max).filter(|size| *size > 0.0).map(|size| TRIM_SHIFT_RAD * size)
+}
+
+/// Angle of attack, sideslip, or a surface.
+fn is_angle(variable: usize) -> bool {
+    let angles = [Variable::Alpha, Variable::Beta, Variable::Elevator, Variable::Aileron, Variable::Rudder];
+    angles.iter().any(|angle| angle.index() == variable)
 }
 
 /// Median of the first fifty intervals, s: later ones must not change what was estimated before them.

@@ -18,8 +18,9 @@ use super::watch::Watch;
 use crate::core::error::EstimateError;
 use crate::core::estimation::Event;
 use crate::core::method::Method;
+use crate::core::options::{KnownChange, Opens};
 use crate::core::systematic::{SystematicPart, UncertainQuantity, shares};
-use crate::model_file::{Base, ByPowers, ModelFile};
+use crate::model_file::{Base, ByPowers, ModelFile, Role};
 use crate::motion::MotionModel;
 use crate::preparation::excitation::{Excitation, Moved};
 
@@ -139,8 +140,10 @@ pub(super) struct Stepper<M: MotionModel<N, R, P>, const N: usize, const R: usiz
     changes: Changes,
     readiness: ReadinessWatch<R, P>,
     monitoring: Option<Monitoring<M, N, R, P>>,
-    /// Times of the known changes that are still to come, s, in order.
-    known_changes_s: VecDeque<f64>,
+    /// The known changes that are still to come, in order.
+    known_changes: VecDeque<KnownChange>,
+    /// Columns of the constant terms.
+    constants: Vec<usize>,
 }
 
 impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> Stepper<M, N, R, P> {
@@ -193,7 +196,8 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> St
             changes: Changes::default(),
             readiness: ReadinessWatch::new(),
             monitoring,
-            known_changes_s: options.known_changes_s.iter().copied().collect(),
+            known_changes: options.known_changes.iter().copied().collect(),
+            constants: constants(file),
         })
     }
 
@@ -237,6 +241,14 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> St
     }
 }
 
+/// Columns of the constant terms of the coefficients: those of the estimated parameters without the biases of sensors, which
+/// come behind them.
+fn constants(file: &ModelFile) -> Vec<usize> {
+    let own = file.estimated().filter(|parameter| !matches!(parameter.role, Role::Bias(_)));
+    let constant = own.enumerate().filter(|(_, p)| matches!(&p.role, Role::Term(_, term) if term.is_constant()));
+    constant.map(|(column, _)| column).collect()
+}
+
 impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> CausalRun<M::KnownInput, R>
     for Stepper<M, N, R, P>
 {
@@ -248,11 +260,21 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> Ca
     ) -> Result<(), EstimateError> {
         self.moved = self.excitation.update(sample.time_s, surfaces, &sample.outputs);
         let open = open(M::AXES, self.file.base, self.moved);
-        while self.known_changes_s.pop_front_if(|time_s| *time_s <= sample.time_s + 1e-9).is_some() {
-            self.estimator.reopen_now();
+        let mut opened = Opens::Everything;
+        while let Some(change) = self.known_changes.pop_front_if(|change| change.time_s <= sample.time_s + 1e-9) {
+            let all: Vec<usize>;
+            let columns: &[usize] = match change.opens {
+                Opens::Everything => {
+                    all = (0..self.columns()).collect();
+                    &all
+                }
+                Opens::Constants => &self.constants,
+            };
+            self.estimator.reopen_columns_now(columns);
             if let Some(replay) = &mut self.replay {
-                replay.open();
+                replay.open(columns);
             }
+            opened = change.opens;
         }
         let surface_rates = self.surface_rates.at(sample.time_s, M::deflections(&sample.input));
         let gated = gate(sample, open, surface_rates);
@@ -303,7 +325,7 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> Ca
         self.watch.look(&estimate, sample.time_s, self.estimator.restarts(), events);
         if !self.waiting {
             let columns = self.columns();
-            self.changes.look(&estimate, sample.time_s, columns);
+            self.changes.look(&estimate, sample.time_s, columns, opened);
             for j in 0..columns {
                 self.systematic_std[j] = self.systematic(j, estimate.parameters[j]);
                 estimate.corrected_std_error[j] = estimate.corrected_std_error[j].hypot(self.systematic_std[j]);

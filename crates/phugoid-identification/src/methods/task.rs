@@ -8,7 +8,7 @@ use super::readiness::ColumnVerdict;
 use crate::core::estimation::{BatchReport, ChangeOutcome, Event, SecondAnswer};
 use crate::core::health::HealthOptions;
 use crate::core::method::Method;
-use crate::core::options::EstimateOptions;
+use crate::core::options::{EstimateOptions, Opens};
 use crate::core::systematic::SystematicPart;
 use crate::model_file::ModelFile;
 use crate::motion::Motion;
@@ -56,6 +56,8 @@ pub(crate) struct RunChange {
     pub(crate) time_s: f64,
     /// The times between which it happened, s; `None` where it was found in flight or given.
     pub(crate) interval_s: Option<[f64; 2]>,
+    /// The parameters that may have changed.
+    pub(crate) opens: Opens,
     pub(crate) outcome: ChangeOutcome,
     pub(crate) before: Vec<[f64; 2]>,
     pub(crate) after: Vec<[f64; 2]>,

@@ -7,7 +7,7 @@ use crate::core::axes::Axes;
 pub use crate::core::error::EstimateError;
 use crate::core::estimation::{Estimation, Offer};
 use crate::core::health::HealthOptions;
-pub use crate::core::options::{CAPACITY, EstimateOptions, Method, StructureSearch, capacity};
+pub use crate::core::options::{CAPACITY, EstimateOptions, KnownChange, Method, Opens, StructureSearch, capacity};
 use crate::core::stack::on_a_large_stack;
 use crate::judge::offer::{
     complete, confirm, found_rate_of_alpha, missing_in_words, search, sentence, with_rate_of_alpha,

@@ -15,7 +15,7 @@ use phugoid_estimators::{ChangeState, ParameterStatus};
 
 use crate::core::error::EstimateError;
 use crate::core::estimation::{ChangeOutcome, Event, EventKind, without_part};
-use crate::core::options::EstimateOptions;
+use crate::core::options::{EstimateOptions, KnownChange, Opens};
 use crate::core::term::Coefficient;
 use crate::judge::both_sides::BothSides;
 use crate::methods::{ColumnRun, EveryRoom, Run, RunChange, Task, run};
@@ -29,6 +29,9 @@ const AFTER_S: f64 = 8.0;
 /// Moments that are asked about at first: not closer than this, s, and not more than so many.
 const CLOSEST_S: f64 = 3.0;
 const MOST: usize = 9;
+/// Besides, so many moments at which the record is predicted worst, over this time, s.
+const ONSETS: usize = 2;
+const DIP_S: f64 = 1.0;
 /// Part of the evidence for a change that the best of them has to have, so that its neighbourhood is looked at.
 const WORTH: f64 = 0.25;
 /// The best moment, and the ends of the interval in which the change lies, are then looked for to within this, s.
@@ -53,6 +56,12 @@ const EVIDENCE_WANDERING: f64 = 3000.0;
 const WANDERS: f64 = 0.35;
 /// Standard errors by which a derivative has to change.
 const SIGMAS: f64 = 5.0;
+/// A trim shift: with the constants alone opened the record is predicted better by so many nats, and by this part of what it gains with
+/// everything opened. No derivative is called another one where a constant explains as much (docs/methods.md, looking back). The
+/// second part is that where no derivative differs by enough with everything opened.
+const EVIDENCE_OF_CONSTANTS: f64 = 250.0;
+const AS_MUCH: f64 = 0.96;
+const MOST_OF: f64 = 0.9;
 
 /// What is said of the moment.
 const AFTERWARDS: &str =
@@ -89,17 +98,25 @@ pub(super) fn look_back<M: EveryRoom<N, R>, const N: usize, const R: usize>(
         return Ok(first);
     }
     let again = Again { task };
-    let without = again.with(&task.options.known_changes_s)?;
+    let without = again.with(&task.options.known_changes)?;
     let found = match window {
-        Some(window) => search(&again, window, evidence(&without), progress)?,
+        Some(window) => search(&again, window, &without, progress)?,
         None => None,
     };
     progress(1.0);
     Ok(match found {
-        Some((found, evidence_with)) if evidence_with > evidence(&first) => found,
+        Some((found, evidence_with)) if evidence_with > needed(&found, &first, evidence(&without)) => found,
         _ if is_unsupported(&first, &without, &task.prepared.time) => withdrawn(&first, without, end_s),
         _ => first,
     })
+}
+
+/// Evidence that a run with changes that were found afterwards has to have, so that it stands in place of the first one, nats: that of
+/// the first one, or, where it has trim shifts alone, what explains as much.
+fn needed<const R: usize>(found: &Run<R>, first: &Run<R>, without: f64) -> f64 {
+    let shifts_alone = found.changes.iter().all(|change| change.opens == Opens::Constants);
+    let gain = evidence(first) - without;
+    without + if shifts_alone && gain > 0.0 { AS_MUCH * gain } else { gain }
 }
 
 /// Whether the run has adopted changes with which the whole record is not predicted better than without them. Of a change shortly
@@ -142,32 +159,44 @@ fn withdrawn<const R: usize>(first: &Run<R>, mut without: Run<R>, end_s: f64) ->
 }
 
 /// The best run of those that are opened where the record says that the parameters changed, with its evidence; none where
-/// nothing is believed. `standing` is the evidence without a change.
+/// nothing is believed. `without` is the run without a change.
 fn search<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     again: &Again<M, N, R>,
-    [from_s, to_s]: [f64; 2],
-    mut standing: f64,
+    window: [f64; 2],
+    without: &Run<R>,
     progress: &mut dyn FnMut(f64),
 ) -> Result<Option<(Run<R>, f64)>, EstimateError> {
     let task = again.task;
     let searches = CHANGES as f64 + 1.0;
-    let mut known = task.options.known_changes_s.clone();
+    let mut known = task.options.known_changes.clone();
+    let mut standing = evidence(without);
     let mut found: Option<Run<R>> = None;
-    let mut best = again.best(&known, [from_s, to_s], standing, &mut |done| progress(done / searches))?;
-    for search in 1..=CHANGES {
-        let Tried { time_s, evidence: evidence_with, run: with } = best;
-        let gain = evidence_with - standing;
-        if gain < EVIDENCE || !is_believed(task, &with, time_s, &known) {
+    let mut best = again.best(&known, window, without, &mut |done| progress(done / searches))?;
+    let mut accepted = 0;
+    while accepted < CHANGES {
+        let gain = best.evidence - standing;
+        if gain < EVIDENCE || !is_believed(task, &best, &known) {
             break;
         }
-        let opened = added(&known, time_s);
-        let mut done = |done: f64| progress((search as f64 + done) / searches);
-        best = again.best(&opened, [from_s, to_s], evidence_with, &mut done)?;
-        // What wanders goes on to gain by being opened elsewhere; one sudden change explains the whole record.
+        let Tried { change, evidence: evidence_with, run: with } = best;
+        let opened = added(&known, change);
+        let mut done = |done: f64| progress((accepted as f64 + 1.0 + done) / searches);
+        best = again.best(&opened, window, &with, &mut done)?;
         let further = best.evidence - evidence_with;
+        // Derivatives that change together with a constant: no trim shift, but one change of everything.
+        let together = change.opens == Opens::Constants
+            && best.change.opens == Opens::Everything
+            && (best.change.time_s - change.time_s).abs() < CLOSEST_S
+            && further >= EVIDENCE
+            && is_believed(task, &best, &opened);
+        if together {
+            best = again.at(&known, best.change)?;
+            continue;
+        }
+        // What wanders goes on to gain by being opened elsewhere; one sudden change explains the whole record.
         let needed = if further > WANDERS * gain {
             EVIDENCE_WANDERING
-        } else if is_elsewhere(task, time_s) {
+        } else if is_elsewhere(task, change.time_s) {
             EVIDENCE_ELSEWHERE
         } else {
             EVIDENCE
@@ -177,9 +206,10 @@ fn search<M: EveryRoom<N, R>, const N: usize, const R: usize>(
         }
         (known, standing) = (opened, evidence_with);
         found = Some(with);
+        accepted += 1;
     }
     let Some(mut found) = found else { return Ok(None) };
-    say_found_afterwards(again, &mut found, &known, [from_s, to_s], standing)?;
+    say_found_afterwards(again, &mut found, &known, window, standing)?;
     Ok(Some((found, standing)))
 }
 
@@ -188,17 +218,17 @@ fn search<M: EveryRoom<N, R>, const N: usize, const R: usize>(
 fn say_found_afterwards<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     again: &Again<M, N, R>,
     found: &mut Run<R>,
-    known: &[f64],
+    known: &[KnownChange],
     window: [f64; 2],
     evidence: f64,
 ) -> Result<(), EstimateError> {
-    let given = &again.task.options.known_changes_s;
+    let given = &again.task.options.known_changes;
     let time = &again.task.prepared.time;
     // A change is dated by the first sample that it holds for.
     let sample = |t: f64| time.get(time.partition_point(|s| *s + 1e-9 < t)).copied();
-    for opened_s in known.iter().copied().filter(|t| !given.contains(t)) {
-        let Some(time_s) = sample(opened_s) else { continue };
-        let interval_s = again.interval(known, opened_s, window, evidence)?;
+    for opened in known.iter().copied().filter(|change| !given.contains(change)) {
+        let Some(time_s) = sample(opened.time_s) else { continue };
+        let interval_s = again.interval(known, opened, window, evidence)?;
         for change in found.changes.iter_mut().filter(|change| change.time_s == time_s) {
             change.outcome = ChangeOutcome::FoundAfterwards;
             change.interval_s = Some(interval_s);
@@ -220,12 +250,12 @@ fn window<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     (window[0] < window[1]).then_some(window)
 }
 
-/// The times with one more, in order.
-fn added(known: &[f64], time_s: f64) -> Vec<f64> {
-    let mut times = known.to_vec();
-    times.push(time_s);
-    times.sort_by(f64::total_cmp);
-    times
+/// The changes with one more, in order of time.
+fn added(known: &[KnownChange], change: KnownChange) -> Vec<KnownChange> {
+    let mut changes = known.to_vec();
+    changes.push(change);
+    changes.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
+    changes
 }
 
 /// Logarithm of the density that a run gave to the record, sample by sample before it saw it, nats.
@@ -243,42 +273,45 @@ struct Again<'a, 'b, M: EveryRoom<N, R>, const N: usize, const R: usize> {
     task: &'a Task<'b, M, N, R>,
 }
 
-/// A moment that was asked about, and the run that was opened there.
+/// A change that was asked about, and the run that was opened there.
 struct Tried<const R: usize> {
-    time_s: f64,
+    change: KnownChange,
     evidence: f64,
     run: Run<R>,
 }
 
 impl<M: EveryRoom<N, R>, const N: usize, const R: usize> Again<'_, '_, M, N, R> {
-    fn with(&self, known_changes_s: &[f64]) -> Result<Run<R>, EstimateError> {
+    fn with(&self, known_changes: &[KnownChange]) -> Result<Run<R>, EstimateError> {
         let options = EstimateOptions {
             change_detection: Some(false),
-            known_changes_s: known_changes_s.to_vec(),
+            known_changes: known_changes.to_vec(),
             ..self.task.options.clone()
         };
         let Task { prepared, file, noise, .. } = *self.task;
         run(&Task { prepared, file, options: &options, noise, health: None }, &mut |_| {})
     }
 
-    fn at(&self, known: &[f64], time_s: f64) -> Result<Tried<R>, EstimateError> {
-        let run = self.with(&added(known, time_s))?;
-        Ok(Tried { time_s, evidence: evidence(&run), run })
+    fn at(&self, known: &[KnownChange], change: KnownChange) -> Result<Tried<R>, EstimateError> {
+        let run = self.with(&added(known, change))?;
+        Ok(Tried { change, evidence: evidence(&run), run })
     }
 
-    /// The best moment. `standing` is the evidence without one.
+    /// The best moment to open everything; or the constants alone there, where that explains as much. `without` is the run without
+    /// one.
     fn best(
         &self,
-        known: &[f64],
+        known: &[KnownChange],
         [from_s, to_s]: [f64; 2],
-        standing: f64,
+        without: &Run<R>,
         progress: &mut dyn FnMut(f64),
     ) -> Result<Tried<R>, EstimateError> {
+        let standing = evidence(without);
         let moments = (((to_s - from_s) / CLOSEST_S).ceil() as usize).clamp(1, MOST);
         let step_s = (to_s - from_s) / moments as f64;
-        let mut best = self.at(known, from_s + 0.5 * step_s)?;
+        let everything = |time_s: f64| KnownChange { time_s, opens: Opens::Everything };
+        let mut best = self.at(known, everything(from_s + 0.5 * step_s))?;
         let keep_better = |time_s: f64, best: &mut Tried<R>| -> Result<(), EstimateError> {
-            let tried = self.at(known, time_s)?;
+            let tried = self.at(known, everything(time_s))?;
             if tried.evidence >= best.evidence {
                 *best = tried;
             }
@@ -288,15 +321,29 @@ impl<M: EveryRoom<N, R>, const N: usize, const R: usize> Again<'_, '_, M, N, R> 
             progress(k as f64 / moments as f64);
             keep_better(from_s + (k as f64 + 0.5) * step_s, &mut best)?;
         }
+        for onset_s in onsets(without, &self.task.prepared.time, [from_s, to_s]) {
+            keep_better(onset_s, &mut best)?;
+        }
         let mut half_s = step_s / 2.0;
         while half_s > RESOLUTION_S && best.evidence - standing > WORTH * EVIDENCE {
-            let middle_s = best.time_s;
+            let middle_s = best.change.time_s;
             for beside_s in [middle_s - half_s, middle_s + half_s] {
                 if (from_s..to_s).contains(&beside_s) {
                     keep_better(beside_s, &mut best)?;
                 }
             }
             half_s /= 2.0;
+        }
+        if best.evidence - standing > WORTH * EVIDENCE {
+            let shifted = self.at(known, KnownChange { opens: Opens::Constants, ..best.change })?;
+            let gain = shifted.evidence - standing;
+            let part = gain / (best.evidence - standing);
+            let explains = part >= AS_MUCH || part >= MOST_OF && !is_believed(self.task, &best, known);
+            // With a change that is known the constants are opened already.
+            let is_own = known.iter().all(|other| (other.time_s - best.change.time_s).abs() >= CLOSEST_S);
+            if gain >= EVIDENCE_OF_CONSTANTS && explains && is_own && is_trim_shift(self.task, &shifted, known) {
+                return Ok(shifted);
+            }
         }
         Ok(best)
     }
@@ -306,18 +353,21 @@ impl<M: EveryRoom<N, R>, const N: usize, const R: usize> Again<'_, '_, M, N, R> 
     /// in which nothing moves all moments are as good.
     fn interval(
         &self,
-        known: &[f64],
-        opened_s: f64,
+        known: &[KnownChange],
+        opened: KnownChange,
         [from_s, to_s]: [f64; 2],
         evidence: f64,
     ) -> Result<[f64; 2], EstimateError> {
-        let others: Vec<f64> = known.iter().copied().filter(|t| *t != opened_s).collect();
+        let opened_s = opened.time_s;
+        let others: Vec<KnownChange> = known.iter().copied().filter(|change| change.time_s != opened_s).collect();
         // Changes do not pass each other.
-        let from_s = others.iter().copied().filter(|t| *t < opened_s).fold(from_s, f64::max);
-        let to_s = others.iter().copied().filter(|t| *t > opened_s).fold(to_s, f64::min);
+        let times = || others.iter().map(|change| change.time_s);
+        let from_s = times().filter(|t| *t < opened_s).fold(from_s, f64::max);
+        let to_s = times().filter(|t| *t > opened_s).fold(to_s, f64::min);
         let gain = evidence - self.with(&others).map(|run| self::evidence(&run))?;
         let is_as_good = |time_s: f64| {
-            self.at(&others, time_s).map(|tried| tried.evidence >= evidence - AS_GOOD - AS_GOOD_PART * gain)
+            self.at(&others, KnownChange { time_s, ..opened })
+                .map(|tried| tried.evidence >= evidence - AS_GOOD - AS_GOOD_PART * gain)
         };
         let end = |limit_s: f64| -> Result<f64, EstimateError> {
             let (mut good_s, mut step_s) = (opened_s, RESOLUTION_S.copysign(limit_s - opened_s));
@@ -346,6 +396,37 @@ impl<M: EveryRoom<N, R>, const N: usize, const R: usize> Again<'_, '_, M, N, R> 
     }
 }
 
+/// The moments at which a run is predicted worst over [`DIP_S`], the worst first: where a constant changes, the best moment to open
+/// it is a sharp one, because a constant that is opened a second too early is known again when it changes.
+fn onsets<const R: usize>(run: &Run<R>, time: &[f64], [from_s, to_s]: [f64; 2]) -> Vec<f64> {
+    let nats = run.log_density.iter().map(|row| row.iter().filter(|nats| nats.is_finite()).sum::<f64>());
+    let until: Vec<f64> = std::iter::once(0.0)
+        .chain(nats.scan(0.0, |sum, nats| {
+            *sum += nats;
+            Some(*sum)
+        }))
+        .collect();
+    let mut dips: Vec<(f64, f64)> = Vec::new();
+    for (sample, time_s) in time.iter().copied().enumerate().filter(|(_, t)| (from_s..to_s).contains(t)) {
+        let end = time.partition_point(|t| *t < time_s + DIP_S).min(until.len() - 1);
+        if end > sample {
+            // By sample, so that a gap does not hide one.
+            dips.push((time_s, (until[end] - until[sample]) / (end - sample) as f64));
+        }
+    }
+    dips.sort_by(|a, b| a.1.total_cmp(&b.1));
+    let mut worst: Vec<f64> = Vec::new();
+    for (time_s, _) in dips {
+        if worst.len() == ONSETS {
+            break;
+        }
+        if worst.iter().all(|other| (time_s - other).abs() >= CLOSEST_S) {
+            worst.push(time_s);
+        }
+    }
+    worst
+}
+
 /// Whether the flight goes on at another speed.
 fn is_elsewhere<M: EveryRoom<N, R>, const N: usize, const R: usize>(task: &Task<M, N, R>, time_s: f64) -> bool {
     let speeds = task.prepared.speeds();
@@ -359,29 +440,54 @@ fn is_elsewhere<M: EveryRoom<N, R>, const N: usize, const R: usize>(task: &Task<
     differs.is_nan() || differs > ELSEWHERE
 }
 
-/// Whether a parameter is another one before the time and after it, until the next known change. The drag alone does not say
+/// Whether a parameter is another one before the change and after it, until the next known change. The drag alone does not say
 /// so: what the engine does looks like it.
 fn is_believed<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     task: &Task<M, N, R>,
-    run: &Run<R>,
-    time_s: f64,
-    known: &[f64],
+    tried: &Tried<R>,
+    known: &[KnownChange],
+) -> bool {
+    match tried.change.opens {
+        Opens::Constants => is_trim_shift(task, tried, known),
+        Opens::Everything => differs(task, tried, known, |_, sides, j, [from, to]| {
+            let column = &tried.run.columns[j];
+            sides.tells(j, column.values[from], column.values[to]) && sigmas(column, from, to) > SIGMAS
+        }),
+    }
+}
+
+/// Whether a constant is another one, with everything else as it was. How sure that is says the evidence: the standard errors of a constant before and
+/// after are mostly those of the derivatives, which are the same.
+fn is_trim_shift<M: EveryRoom<N, R>, const N: usize, const R: usize>(
+    task: &Task<M, N, R>,
+    tried: &Tried<R>,
+    known: &[KnownChange],
+) -> bool {
+    differs(task, tried, known, |role, sides, j, [from, to]| {
+        let values = &tried.run.columns[j].values;
+        role.is_constant() && sides.is_trim_shift(j, values[from], values[to])
+    })
+}
+
+/// Whether any parameter but those of the drag is another one at the samples before the change and before the next known one.
+fn differs<M: EveryRoom<N, R>, const N: usize, const R: usize>(
+    task: &Task<M, N, R>,
+    Tried { change, run, .. }: &Tried<R>,
+    known: &[KnownChange],
+    is_another: impl Fn(&Role, &BothSides, usize, [usize; 2]) -> bool,
 ) -> bool {
     // Values that run into their bounds explain nothing.
     if run.columns.iter().any(|column| column.status == ParameterStatus::AtLimit) {
         return false;
     }
-    let Some(sides) = BothSides::of(task, run, time_s) else { return false };
+    let Some(sides) = BothSides::of(task, run, change.time_s) else { return false };
     let time = &task.prepared.time;
     let before = |time_s: f64| time.partition_point(|t| *t < time_s).checked_sub(1);
-    let next_s = known.iter().copied().find(|t| *t > time_s);
-    let (Some(from), Some(to)) = (before(time_s), before(next_s.unwrap_or(f64::INFINITY))) else { return false };
+    let next_s = known.iter().map(|other| other.time_s).find(|t| *t > change.time_s);
+    let (Some(from), Some(to)) = (before(change.time_s), before(next_s.unwrap_or(f64::INFINITY))) else { return false };
     let of_drag = |role: &Role| matches!(role, Role::Term(Coefficient::Drag, _));
-    task.file.estimated().zip(&run.columns).enumerate().any(|(j, (parameter, column))| {
-        !of_drag(&parameter.role)
-            && sides.tells(j, column.values[from], column.values[to])
-            && sigmas(column, from, to) > SIGMAS
-    })
+    let estimated = task.file.estimated().take(run.columns.len()).enumerate();
+    estimated.filter(|(_, p)| !of_drag(&p.role)).any(|(j, p)| is_another(&p.role, &sides, j, [from, to]))
 }
 
 /// Standard errors by which a column differs between two samples, without the part of the errors that the model file declares:

@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use phugoid_identification::estimate::Opens;
 use phugoid_identification::estimation::{AdoptedChange, ChangeOutcome, Estimation};
 
 use super::page::{END_OF_TABLE, table};
@@ -45,10 +46,17 @@ fn one(estimation: &Estimation, change: &AdoptedChange) -> String {
     let when = change.interval_s.map_or_else(String::new, |[from_s, to_s]| {
         format!(" It happened between {} and {} s.", fixed(from_s, 1), fixed(to_s, 1))
     });
+    let what = match change.opens {
+        Opens::Everything => "",
+        Opens::Constants => {
+            " The constants alone explain it: a constant force or moment (a trim shift) set in, the derivatives stay. The errors \
+             of a constant before and after are mostly those of the derivatives, which both share."
+        }
+    };
     let mut rows: Vec<_> = change.parameters.iter().collect();
     rows.sort_by(|a, b| b.sigmas().abs().total_cmp(&a.sigmas().abs()));
     let mut out = format!(
-        "<h3>At {} s</h3>\n<p>{outcome}.{when}</p>\n{}",
+        "<h3>At {} s</h3>\n<p>{outcome}.{when}{what}</p>\n{}",
         significant(change.time_s, 4),
         table(&[
             ("", "Parameter"),

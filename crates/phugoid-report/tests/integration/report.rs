@@ -4,7 +4,7 @@ use crate::markup;
 use crate::synthetic;
 
 use markup::assert_balanced;
-use phugoid_identification::estimate::Method;
+use phugoid_identification::estimate::{Method, Opens};
 use phugoid_identification::estimation::{
     AdoptedChange, ChangeOutcome, ChangedParameter, Estimation, Event, EventKind, OtherValue, SecondAnswer, Signal,
 };
@@ -122,6 +122,7 @@ fn before_and_after_of_a_change_and_a_second_method_stand_side_by_side() {
     given.changes = vec![AdoptedChange {
         time_s: 4.56,
         interval_s: Some([4.2, 4.8]),
+        opens: Opens::Everything,
         outcome: ChangeOutcome::FoundAfterwards,
         parameters: vec![small, large],
     }];
