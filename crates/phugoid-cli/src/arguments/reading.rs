@@ -39,7 +39,7 @@ pub(crate) struct Reading {
     #[arg(long, value_name = "SIZE", default_value_t = Memory::default())]
     pub(crate) max_memory: Memory,
     /// Names and units of the columns in the order of the file, for a table without a header line or in place of it:
-    /// `time_s,alpha_deg,elevator_deg`
+    /// `time_s,alpha_deg,elevator_deg`. Parquet, Arrow and logs name their columns themselves
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     pub(crate) columns: Vec<String>,
     /// Time from one row to the next, such as 0.02s, for a table without times or with bad ones: the rows are counted

@@ -27,6 +27,18 @@ pub enum ReadError {
         /// The format of the file.
         format: Format,
     },
+    /// Names were given for the columns of a file that names them itself.
+    #[error(
+        "{source_name}: names of columns were given (--columns), but this is {}, which names its columns itself. Leave them out; a \
+         channel that has another name there is mapped in the model file: [channels] q = {{ header = \"name\", unit = \"rad/s\" }}",
+        format.in_words()
+    )]
+    NamedInTheFile {
+        /// Name of the file or stream, as the caller gave it.
+        source_name: String,
+        /// The format of the file.
+        format: Format,
+    },
     /// A workbook could not be read, or no record can be made of its sheet.
     #[cfg(feature = "excel")]
     #[error(transparent)]

@@ -80,6 +80,7 @@ impl Record {
 pub fn read_path(path: &Path, options: &ReadOptions) -> Result<Record, ReadError> {
     let account = Account::new(options.table.max_memory);
     let (format, mut reader, source) = open(path, &account)?;
+    check_names(format, &source, options)?;
     if !format.is_log() {
         return table(format, &mut reader, path, options, &account);
     }
@@ -123,6 +124,7 @@ pub struct Surveyed {
 pub fn survey_path(path: &Path, options: &ReadOptions) -> Result<Surveyed, ReadError> {
     let account = Account::new(options.table.max_memory);
     let (format, mut reader, source) = open(path, &account)?;
+    check_names(format, &source, options)?;
     if !format.is_log() {
         return Ok(Surveyed { survey: None, record: Ok(table(format, &mut reader, path, options, &account)?) });
     }
@@ -164,6 +166,15 @@ fn open(path: &Path, account: &Account) -> Result<(Format, Box<dyn Read>, String
         }
         Err(error) => Err(ReadError::Io { source_name, error }),
     }
+}
+
+/// Names of columns are for tables that may lack them. They are not silently left aside for a file that has its own.
+fn check_names(format: Format, source: &str, options: &ReadOptions) -> Result<(), ReadError> {
+    let has_its_own = format.is_log() || matches!(format, Format::Parquet | Format::Arrow);
+    if has_its_own && !options.table.column_names.is_empty() {
+        return Err(ReadError::NamedInTheFile { source_name: source.to_owned(), format });
+    }
+    Ok(())
 }
 
 /// The profile of the options, else the built-in one; `None` for a log whose fields are channels by their names.

@@ -112,7 +112,8 @@ pub struct TableOptions {
     /// Columns mapped by hand; all others become channels by their headers.
     pub columns: Vec<ColumnMapping>,
     /// Names of the columns, with units, in the order of the file: for a table of numbers without a header, or in place of
-    /// the one that it has. Empty: the names are those of the file.
+    /// the one that it has. Empty: the names are those of the file. Parquet, Arrow and logs name their columns themselves, so that
+    /// they are refused with names ([`ReadError::NamedInTheFile`](crate::reader::ReadError::NamedInTheFile)).
     pub column_names: Vec<String>,
     /// The variable to read of a MATLAB file that holds several tables (`flight2`, or `data.flight2` for a field of a
     /// struct), or the sheet of a workbook; of other formats it is not read. `None`: everything in the file, or its first

@@ -7,9 +7,10 @@ use crate::shared_data;
 use std::path::PathBuf;
 
 use logs::{dataflash_define, dataflash_head, dataflash_message, dataflash_units, ulog_key, ulog_message};
+use phugoid_flight_data::format::Format;
 use phugoid_flight_data::log;
 use phugoid_flight_data::memory::Memory;
-use phugoid_flight_data::reader::{ReadOptions, Surveyed, read_path, survey_path};
+use phugoid_flight_data::reader::{ReadError, ReadOptions, Surveyed, read_path, survey_path};
 use phugoid_flight_data::record::Record;
 use phugoid_flight_data::table::{ColumnMapping, TableOptions};
 
@@ -272,6 +273,23 @@ fn mappings_that_name_nothing_are_answered_with_what_there_is() {
     let told = error("vehicle_attitude.r[2]");
     assert!(told.contains("no such field (did you mean 'q[2]'?). It has: q[0], q[1], q[2], q[3]"), "{told}");
     assert!(error("alpha").contains("write topic.field or topic#instance.field"), "{}", error("alpha"));
+}
+
+/// A user who names columns expects these names: a file with names of its own does not pass over them.
+#[test]
+fn names_of_columns_are_not_ignored_where_the_file_has_its_own() {
+    let table = TableOptions { column_names: vec!["time_s".into(), "alpha_deg".into()], ..TableOptions::default() };
+    let options = ReadOptions { table, ..ReadOptions::default() };
+    let log = Temporary::new("named.ulg", &px4(TOPICS, flight));
+    let parquet = Temporary::new("named.parquet", b"PAR1 and no more");
+    for (file, format) in [(&log, Format::Ulog), (&parquet, Format::Parquet)] {
+        for error in [read_path(&file.0, &options).unwrap_err(), survey_path(&file.0, &options).unwrap_err()] {
+            assert!(matches!(&error, ReadError::NamedInTheFile { format: found, .. } if *found == format), "{error}");
+            assert!(error.to_string().contains("names its columns itself"), "{error}");
+        }
+    }
+    let csv = Temporary::new("named.csv", b"0,1\n1,2\n");
+    assert_eq!(read_path(&csv.0, &options).unwrap().time, [0.0, 1.0]);
 }
 
 #[test]

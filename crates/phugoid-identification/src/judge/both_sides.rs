@@ -19,7 +19,7 @@ const MOVING: usize = 1;
 const SHARE: f64 = 0.05;
 
 /// A constant that changes alone has to make this part of what the largest derivative of its coefficient makes about its mean: where
-/// nothing changes, terms that a model lacks make 0.08 of flights whose evidence counts, and trim shifts of a degree of elevator 0.17
+/// nothing changes, terms that a model lacks make 0.03 of it in flights whose evidence counts, and trim shifts of a degree of elevator 0.2
 /// and more (docs/methods.md, looking back).
 const TRIM_SHIFT: f64 = 0.15;
 
