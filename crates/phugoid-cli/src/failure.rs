@@ -9,6 +9,7 @@ use clap::error::{ContextKind, ContextValue};
 use phugoid_flight_data::printable;
 use phugoid_identification::batch::BatchError;
 use phugoid_identification::error::EstimateError;
+use phugoid_identification::estimation::{Estimation, EstimationStatus, ReasonCode};
 
 use crate::commands;
 
@@ -21,6 +22,20 @@ pub(crate) const REFUSED: u8 = 1;
 
 /// Exit code of a command line that is wrong.
 const USAGE: u8 = 2;
+
+/// Exit code where the flight holds nothing that could be estimated.
+const NO_DATA: u8 = 5;
+
+/// The exit code of an estimation whose result is printed and written: a script must not take a refused one for a result, nor what was
+/// known beforehand where nothing has moved.
+pub(crate) fn of_result(estimation: &Estimation) -> ExitCode {
+    let is_unmoved = estimation.reasons.iter().any(|reason| reason.code == ReasonCode::NoExcitation);
+    match estimation.status {
+        EstimationStatus::Refused => ExitCode::from(REFUSED),
+        _ if is_unmoved => ExitCode::from(NO_DATA),
+        _ => ExitCode::SUCCESS,
+    }
+}
 
 /// Commands that not every build has, with the feature that brings them.
 const OF_FEATURES: [(&str, &str, bool); 2] =
@@ -149,7 +164,7 @@ impl Failure {
             Self::Impossible(message) => (message, 1),
             Self::Input(message) => (message, 3),
             Self::Output(message) => (message, 4),
-            Self::NoData(message) => (message, 5),
+            Self::NoData(message) => (message, NO_DATA),
             Self::NotConverged(message) => (message, 6),
             Self::ReaderLeft => return ExitCode::SUCCESS,
         };

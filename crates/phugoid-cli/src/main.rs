@@ -11,7 +11,6 @@ mod progress;
 use std::process::ExitCode;
 
 use clap::Parser;
-use phugoid_identification::estimation::EstimationStatus;
 
 use crate::arguments::{Arguments, Command};
 
@@ -23,11 +22,7 @@ fn main() -> ExitCode {
     if let Err(failure) = destination::check(&arguments) {
         return failure.report();
     }
-    let estimated = |result: Result<EstimationStatus, failure::Failure>| match result {
-        Ok(EstimationStatus::Refused) => ExitCode::from(failure::REFUSED),
-        Ok(_) => ExitCode::SUCCESS,
-        Err(failure) => failure.report(),
-    };
+    let estimated = |result: Result<ExitCode, failure::Failure>| result.unwrap_or_else(|failure| failure.report());
     let result = match &arguments.command {
         None => return estimated(commands::demonstrate::run(&arguments.demonstration)),
         Some(Command::Trim(arguments)) => commands::trim::run(arguments),

@@ -10,7 +10,9 @@ use crate::statistics::tell::{Course, Findings, Over, Point, Shape};
 const WIDTH: f64 = 240.0;
 const HEIGHT: f64 = 36.0;
 
-const STYLE: &str = "body{font:14px system-ui,sans-serif;margin:2em;color:#222}table{border-collapse:collapse}\
+/// On a narrow screen the tables are moved sideways by themselves, and the text stays as wide as the screen.
+const STYLE: &str = "body{font:14px system-ui,sans-serif;margin:clamp(.7em,3vw,2em);color:#222}table{border-collapse:collapse}\
+.wide{overflow-x:auto}code{overflow-wrap:anywhere}\
 th,td{padding:.25em .7em;text-align:right;border-bottom:1px solid #ddd}th{cursor:pointer;background:#f4f4f4}\
 td.w,th.w{text-align:left}tr.found td{background:#fff3e0}.bad{fill:#d32f2f}.ok{fill:#1565c0}\
 svg{vertical-align:middle}:target{background:#ffff8d}.note{color:#666}";
@@ -25,7 +27,8 @@ const b=t.tBodies[0];[...b.rows].sort((a,c)=>{const x=v(a),y=v(c);return d*(type
 /// The page, HTML. Numbers are in the units of the parameters.
 pub fn html(findings: &Findings) -> String {
     let mut page = format!(
-        "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Fleet: {0}</title><style>{STYLE}</style></head>\n\
+        "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\
+         <meta name=\"viewport\" content=\"width=device-width,initial-scale=1\"><title>Fleet: {0}</title><style>{STYLE}</style></head>\n\
          <body><h1>Fleet: {0}</h1>\n<p class=\"note\">{1} airframes, {2} logs; {3}, by Phugoid</p>\n\
          <p>Derivatives are per radian. Findings are called so at a rate of false ones of {4} %. Bars are two standard errors of a single flight, the band that \
          of the mean with all that the flights share. Click a head to sort, a point for its flight.</p>\n",
@@ -45,7 +48,7 @@ pub fn html(findings: &Findings) -> String {
         numbers.entry(point.log_sha256.as_str()).or_insert(next);
     }
     page.push_str(
-        "<table><thead><tr><th class=\"w\">airframe</th><th class=\"w\">parameter</th><th>mean</th><th>+- 2 sigma</th>\
+        "<div class=\"wide\"><table><thead><tr><th class=\"w\">airframe</th><th class=\"w\">parameter</th><th>mean</th><th>+- 2 sigma</th>\
          <th>estimates</th><th class=\"w\">course</th><th class=\"w\">what</th><th>rate of false ones</th><th>from the others, sigmas</th>\
          <th>flights that disagree</th></tr></thead><tbody>\n",
     );
@@ -54,12 +57,17 @@ pub fn html(findings: &Findings) -> String {
             row(&mut page, &airframe.name, course, findings.over, &numbers);
         }
     }
-    page.push_str(
-        "</tbody></table>\n<h2>Flights</h2>\n<table><thead><tr><th>no.</th><th class=\"w\">airframe</th>\
-                   <th class=\"w\">log</th><th class=\"w\">estimates</th></tr></thead><tbody>\n",
+    let _ = write!(
+        page,
+        "</tbody></table></div>\n<h2>Flights</h2>\n<p>The report of a flight, with all plots: <code>phugoid estimate LOG --model MODEL.toml --method {}{}</code>, where \
+         MODEL.toml is the file of the model {}.</p>\n<div class=\"wide\"><table><thead><tr><th>no.</th><th class=\"w\">airframe</th>\
+         <th class=\"w\">log</th><th class=\"w\">estimates</th></tr></thead><tbody>\n",
+        escaped(&findings.set.method),
+        if findings.set.segments == "whole" { "" } else { " --segment NUMBER" },
+        escaped(&findings.set.model),
     );
     flights(&mut page, findings, &numbers);
-    let _ = write!(page, "</tbody></table>\n<script>{SCRIPT}</script></body></html>\n");
+    let _ = write!(page, "</tbody></table></div>\n<script>{SCRIPT}</script></body></html>\n");
     page
 }
 
@@ -70,7 +78,7 @@ fn unused(page: &mut String, findings: &Findings) {
         return;
     }
     page.push_str(
-        "<h2>Flights without an estimate that can be used</h2>\n<table><thead><tr><th class=\"w\">airframe</th><th>flights</th>\
+        "<h2>Flights without an estimate that can be used</h2>\n<div class=\"wide\"><table><thead><tr><th class=\"w\">airframe</th><th>flights</th>\
          <th>of</th><th class=\"w\">reasons, and in how many flights</th><th class=\"w\">what</th></tr></thead><tbody>\n",
     );
     for airframe in with {
@@ -86,7 +94,7 @@ fn unused(page: &mut String, findings: &Findings) {
             escaped(&own.words())
         );
     }
-    page.push_str("</tbody></table>\n<h2>Courses</h2>\n");
+    page.push_str("</tbody></table></div>\n<h2>Courses</h2>\n");
 }
 
 fn row(page: &mut String, airframe: &str, course: &Course, over: Over, numbers: &BTreeMap<&str, usize>) {

@@ -10,7 +10,7 @@ Exit codes:
   3  an input (file, name, budget) is unknown, cannot be read or is wrong
   4  a result cannot be written
   5  the flight holds nothing that could be estimated: too few samples, nothing that moves,
-     parameters that do nothing
+     parameters that do nothing; what SMPE and the EKF print of such a flight was known before
   6  the search of a batch method did not converge
  10  `phugoid monitor`: the aircraft has diverged from what is expected";
 

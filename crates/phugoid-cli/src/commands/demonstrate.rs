@@ -1,19 +1,20 @@
 //! `phugoid` without a command: simulates a flight of the F-16 and estimates its aerodynamic increments.
 
+use std::process::ExitCode;
+
 use phugoid::{estimate_with_progress, simulate};
 use phugoid_evaluation::published::{CALM_MODEL, CALM_SCENARIO};
 use phugoid_identification::estimate::EstimateOptions;
-use phugoid_identification::estimation::EstimationStatus;
 use phugoid_identification::model_file::ModelFile;
 use phugoid_report::HtmlOptions;
 use phugoid_simulation::scenario::Scenario;
 
 use super::estimate::{History, Presentation};
 use crate::arguments::Demonstration;
-use crate::failure::Failure;
+use crate::failure::{self, Failure};
 use crate::progress::Progress;
 
-pub(crate) fn run(arguments: &Demonstration) -> Result<EstimationStatus, Failure> {
+pub(crate) fn run(arguments: &Demonstration) -> Result<ExitCode, Failure> {
     let mut scenario = Scenario::parse(CALM_SCENARIO, "f16-calm").map_err(Failure::input)?;
     scenario.seed = arguments.seed.unwrap_or(scenario.seed);
     let model = ModelFile::parse("f16-model", CALM_MODEL).map_err(Failure::input)?;
@@ -40,5 +41,5 @@ pub(crate) fn run(arguments: &Demonstration) -> Result<EstimationStatus, Failure
         turned: None,
     };
     presentation.present(&estimation)?;
-    Ok(estimation.status)
+    Ok(failure::of_result(&estimation))
 }

@@ -3,6 +3,7 @@
 use phugoid_flight_data::output_file;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::process::ExitCode;
 
 use phugoid::estimate_with_progress;
 use phugoid_flight_data::csv;
@@ -10,7 +11,7 @@ use phugoid_flight_data::reader::ReadOptions;
 use phugoid_flight_data::record::Record;
 use phugoid_identification::compatibility::estimate_corrected;
 use phugoid_identification::estimate::{EstimateOptions, StructureSearch, with_offered};
-use phugoid_identification::estimation::{Estimation, EstimationStatus, UncertainQuantity};
+use phugoid_identification::estimation::{Estimation, UncertainQuantity};
 use phugoid_identification::export::Identified;
 use phugoid_identification::inspect::segment;
 use phugoid_identification::manoeuvres::{Settings, find};
@@ -27,21 +28,20 @@ use super::further;
 use super::result::{self, Document};
 use super::simulate::scenario;
 use crate::arguments::{self, Further, Truth};
-use crate::failure::Failure;
+use crate::failure::{self, Failure};
 use crate::output::{Table, json, print};
 use crate::progress::Progress;
 
-/// Estimates, or shows what the options ask for instead. The status is that of the result; sound where none was asked
-/// for.
-pub(crate) fn run(arguments: &arguments::Estimate) -> Result<EstimationStatus, Failure> {
+/// Estimates, or shows what the options ask for instead. The exit code is that of the result.
+pub(crate) fn run(arguments: &arguments::Estimate) -> Result<ExitCode, Failure> {
     if let Some(name) = &arguments.show_model {
-        return show_model(name).map(|()| EstimationStatus::Sound);
+        return show_model(name).map(|()| ExitCode::SUCCESS);
     }
     if let (true, Some(wanted)) = (arguments.show_uncertainty, &arguments.model) {
-        return show_uncertainty(&model(wanted)?.uncertainty).map(|()| EstimationStatus::Sound);
+        return show_uncertainty(&model(wanted)?.uncertainty).map(|()| ExitCode::SUCCESS);
     }
     let (false, Some(flight), Some(wanted)) = (arguments.list_models, &arguments.flight, &arguments.model) else {
-        return list_models(arguments.json).map(|()| EstimationStatus::Sound);
+        return list_models(arguments.json).map(|()| ExitCode::SUCCESS);
     };
     let history = History::new(arguments)?;
     let options = arguments.reading.options();
@@ -139,7 +139,7 @@ pub(crate) fn run(arguments: &arguments::Estimate) -> Result<EstimationStatus, F
     if let Some(file) = &arguments.write_model {
         export::write_model(file, &text, &estimation, &model, arguments.json)?;
     }
-    Ok(estimation.status)
+    Ok(failure::of_result(&estimation))
 }
 
 /// Checks that no flight is given twice.

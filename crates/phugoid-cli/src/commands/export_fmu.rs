@@ -49,9 +49,9 @@ mod with_archives {
 
     pub(crate) fn run(arguments: &arguments::ExportFmu) -> Result<(), Failure> {
         let condition = &arguments.condition;
-        let libraries = libraries(&arguments.libraries)?;
         let (aircraft, described) = aircraft(&condition.aircraft)?;
         let trim = trimmed(&aircraft, condition)?;
+        let libraries = libraries(&arguments.libraries)?;
         let source = Source {
             aircraft: condition.aircraft.aircraft.clone(),
             options: options(&condition.aircraft),

@@ -88,7 +88,9 @@ fn a_flight_without_excitation_leaves_the_bounds_where_they_were() {
     folder.file("quiet.toml", &format!("{}{}", &text[..before], &text[after..]));
     assert_eq!(phugoid(&folder.0, &["simulate", "quiet.toml", "--out", "."]).code, Some(0));
     let command = ["estimate", "measured.csv", "--model", "f16-model", "--no-report"];
-    let document = phugoid(&folder.0, &[&command[..], &["--json"]].concat()).json();
+    let run = phugoid(&folder.0, &[&command[..], &["--json"]].concat());
+    assert_eq!(run.code, Some(5));
+    let document = run.json_of_any_result();
     for p in document["parameters"].as_array().into_iter().flatten() {
         assert_eq!(p["status"], "not_excited", "{p}");
         assert!(p["converged_at_s"].is_null(), "{p}");
@@ -96,5 +98,6 @@ fn a_flight_without_excitation_leaves_the_bounds_where_they_were() {
         assert!(sigma.zip(prior).is_some_and(|(s, prior)| s > 0.9 * prior), "{p}");
     }
     let run = phugoid(&folder.0, &command);
+    assert_eq!(run.code, Some(5));
     assert!(run.out.contains("No excitation") || run.out.contains("Not excited"), "{}", run.out);
 }
