@@ -12,7 +12,7 @@ const HEIGHT: f64 = 36.0;
 
 /// On a narrow screen the tables are moved sideways by themselves, and the text stays as wide as the screen.
 const STYLE: &str = "body{font:14px system-ui,sans-serif;margin:clamp(.7em,3vw,2em);color:#222}table{border-collapse:collapse}\
-.wide{overflow-x:auto}code{overflow-wrap:anywhere}\
+.wide{overflow-x:auto}code{overflow-wrap:anywhere}td.e{min-width:26em}tr[id] td{vertical-align:top}\
 th,td{padding:.25em .7em;text-align:right;border-bottom:1px solid #ddd}th{cursor:pointer;background:#f4f4f4}\
 td.w,th.w{text-align:left}tr.found td{background:#fff3e0}.bad{fill:#d32f2f}.ok{fill:#1565c0}\
 svg{vertical-align:middle}:target{background:#ffff8d}.note{color:#666}";
@@ -192,7 +192,7 @@ fn flights(page: &mut String, findings: &Findings, numbers: &BTreeMap<&str, usiz
         let _ = writeln!(
             page,
             "<tr id=\"f{number}\"><td>{number}</td><td class=\"w\">{}</td><td class=\"w\"><a href=\"{1}\">{2}</a></td>\
-             <td class=\"w\">{3}</td></tr>",
+             <td class=\"w e\">{3}</td></tr>",
             escaped(airframe),
             address(&point.path),
             escaped(&point.path),
