@@ -107,7 +107,7 @@ fn changes<const R: usize>(columns: &[(&Parameter, Option<usize>)], run: &Run<R>
             .iter()
             .filter_map(|(parameter, column)| {
                 let j = (*column)?;
-                if change.opens == Opens::Constants && !parameter.role.is_constant() {
+                if change.opens == Opens::Constants && !parameter.role.is_constant_term() {
                     return None;
                 }
                 let ([before, before_std], [after, after_std]) = (*change.before.get(j)?, *change.after.get(j)?);

@@ -73,8 +73,8 @@ impl<I: Input, const N: usize, const R: usize, const P: usize> Replay<I, N, R, P
     }
 
     /// These columns are opened for a known change before the next sample.
-    pub(super) fn open(&mut self, columns: &[usize]) {
-        self.opened.push((self.samples.len(), columns.to_vec()));
+    pub(super) fn open(&mut self, columns: Vec<usize>) {
+        self.opened.push((self.samples.len(), columns));
     }
 
     /// Takes the sample that `estimator` has just taken, with the estimate that it gave. Gives the filter that takes its

@@ -142,8 +142,6 @@ pub(super) struct Stepper<M: MotionModel<N, R, P>, const N: usize, const R: usiz
     monitoring: Option<Monitoring<M, N, R, P>>,
     /// The known changes that are still to come, in order.
     known_changes: VecDeque<KnownChange>,
-    /// Columns of the constant terms.
-    constants: Vec<usize>,
 }
 
 impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> Stepper<M, N, R, P> {
@@ -197,7 +195,6 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> St
             readiness: ReadinessWatch::new(),
             monitoring,
             known_changes: options.known_changes.iter().copied().collect(),
-            constants: constants(file),
         })
     }
 
@@ -245,8 +242,7 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> St
 /// come behind them.
 fn constants(file: &ModelFile) -> Vec<usize> {
     let own = file.estimated().filter(|parameter| !matches!(parameter.role, Role::Bias(_)));
-    let constant = own.enumerate().filter(|(_, p)| matches!(&p.role, Role::Term(_, term) if term.is_constant()));
-    constant.map(|(column, _)| column).collect()
+    own.enumerate().filter(|(_, parameter)| parameter.role.is_constant_term()).map(|(column, _)| column).collect()
 }
 
 impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> CausalRun<M::KnownInput, R>
@@ -262,15 +258,11 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> Ca
         let open = open(M::AXES, self.file.base, self.moved);
         let mut opened = Opens::Everything;
         while let Some(change) = self.known_changes.pop_front_if(|change| change.time_s <= sample.time_s + 1e-9) {
-            let all: Vec<usize>;
-            let columns: &[usize] = match change.opens {
-                Opens::Everything => {
-                    all = (0..self.columns()).collect();
-                    &all
-                }
-                Opens::Constants => &self.constants,
+            let columns: Vec<usize> = match change.opens {
+                Opens::Everything => (0..self.columns()).collect(),
+                Opens::Constants => constants(&self.file),
             };
-            self.estimator.reopen_columns_now(columns);
+            self.estimator.reopen_columns_now(&columns);
             if let Some(replay) = &mut self.replay {
                 replay.open(columns);
             }

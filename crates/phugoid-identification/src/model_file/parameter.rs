@@ -15,6 +15,11 @@ pub enum Role {
 }
 
 impl Role {
+    /// True for the constant term of a coefficient: what a trim shift changes.
+    pub(crate) fn is_constant_term(&self) -> bool {
+        matches!(self, Self::Term(_, term) if term.is_constant())
+    }
+
     /// True for what stands alone, whatever the motion: the constant term of a coefficient, an offset, a bias.
     pub(crate) fn is_constant(&self) -> bool {
         match self {

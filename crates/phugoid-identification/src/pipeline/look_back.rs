@@ -334,14 +334,14 @@ impl<M: EveryRoom<N, R>, const N: usize, const R: usize> Again<'_, '_, M, N, R> 
             }
             half_s /= 2.0;
         }
-        if best.evidence - standing > WORTH * EVIDENCE {
+        // With a change that is known close by the constants are opened already.
+        let is_own = known.iter().all(|other| (other.time_s - best.change.time_s).abs() >= CLOSEST_S);
+        if is_own && best.evidence - standing > WORTH * EVIDENCE {
             let shifted = self.at(known, KnownChange { opens: Opens::Constants, ..best.change })?;
             let gain = shifted.evidence - standing;
             let part = gain / (best.evidence - standing);
-            let explains = part >= AS_MUCH || part >= MOST_OF && !is_believed(self.task, &best, known);
-            // With a change that is known the constants are opened already.
-            let is_own = known.iter().all(|other| (other.time_s - best.change.time_s).abs() >= CLOSEST_S);
-            if gain >= EVIDENCE_OF_CONSTANTS && explains && is_own && is_trim_shift(self.task, &shifted, known) {
+            let explains = || part >= AS_MUCH || part >= MOST_OF && !is_believed(self.task, &best, known);
+            if gain >= EVIDENCE_OF_CONSTANTS && explains() && is_trim_shift(self.task, &shifted, known) {
                 return Ok(shifted);
             }
         }
@@ -465,7 +465,7 @@ fn is_trim_shift<M: EveryRoom<N, R>, const N: usize, const R: usize>(
 ) -> bool {
     differs(task, tried, known, |role, sides, j, [from, to]| {
         let values = &tried.run.columns[j].values;
-        role.is_constant() && sides.is_trim_shift(j, values[from], values[to])
+        role.is_constant_term() && sides.is_trim_shift(j, values[from], values[to])
     })
 }
 
