@@ -156,6 +156,12 @@ pub struct FoundChanges {
     pub flights: usize,
     /// Flights with an adoption after the change.
     pub found: usize,
+    /// Flights in which a derivative lost half of its value or more, and those of them that were found.
+    pub of_half: usize,
+    /// See `of_half`.
+    pub of_half_found: usize,
+    /// Flights whose change was not found and whose result stands without a warning.
+    pub missed_unwarned: usize,
     /// Flights with an adoption before it.
     pub early: usize,
     /// Median time from the change to its first adoption, s, over those that were found.
@@ -192,9 +198,13 @@ impl FoundChanges {
         let dated = || first.iter().filter_map(|(_, change, adoption)| adoption.is_dated_rightly(change));
         let intervals = first.iter().filter_map(|(_, _, adoption)| adoption.interval_s);
         let count = |wanted: bool| first.iter().filter(|f| rightly(f) == Some(wanted)).count();
+        let missed = || changed().filter(|(t, c)| t.adoptions.kept().all(|a| a.is_before(c)));
         Self {
             flights: changed().count(),
             found: first.len(),
+            of_half: changed().filter(|(_, c)| c.is_of_half()).count(),
+            of_half_found: first.iter().filter(|(_, c, _)| c.is_of_half()).count(),
+            missed_unwarned: missed().filter(|(t, _)| t.word.standing == EstimationStatus::Sound).count(),
             early: changed().filter(|(t, c)| t.adoptions.kept().any(|a| a.is_before(c))).count(),
             latency_median_s: quantile(first.iter().map(|(_, c, a)| a.time_s - c.time_s).collect(), 0.5),
             dated: dated().count(),
@@ -382,7 +392,11 @@ mod tests {
     }
 
     fn real(time_s: f64, name: &str) -> Option<RealChange> {
-        Some(RealChange { time_s, parameters: vec![name.to_owned()] })
+        Some(RealChange {
+            time_s,
+            parameters: vec![name.to_owned()],
+            size: if name.ends_with("_0") { 0.0 } else { 0.5 },
+        })
     }
 
     /// A flight with adoptions at these times that call `changed` changed, the last of which becomes `outcome`.
@@ -423,6 +437,7 @@ mod tests {
             change: real(20.0, "Cm_q"),
             ..adopting(times, changed, outcome, None)
         };
+        let small = real(20.0, "Cm_q").map(|change| RealChange { size: 0.25, ..change });
         let mut shifted = Trial { change: real(20.0, "Cm_0"), ..adopting(&[20.5], &["Cm_0"], Confirmed, None) };
         shifted.word.says_trim_shift = true;
         let trials = [
@@ -431,7 +446,7 @@ mod tests {
             damaged(&[23.5], &["CL_alpha", "Cm_q"], Confirmed),
             damaged(&[22.5], &[], Confirmed),
             damaged(&[22.5], &["Cm_q"], RolledBack),
-            damaged(&[5.0], &["Cm_q"], Confirmed),
+            Trial { change: small, ..damaged(&[5.0], &["Cm_q"], Confirmed) },
             shifted,
             Trial { change: real(20.0, "Cm_0"), ..adopting(&[20.5], &["Cm_q"], Confirmed, None) },
         ];
@@ -439,6 +454,7 @@ mod tests {
         let s = ChangeSummary::of(Method::Smpe, &all);
         let d = &s.damages;
         assert_eq!((d.flights, d.found, d.early), (5, 3, 1));
+        assert_eq!((d.of_half, d.of_half_found, d.missed_unwarned), (4, 3, 2));
         assert_eq!((d.named_rightly, d.named_wrongly), (1, 1));
         assert!((d.latency_median_s - 2.5).abs() < 1e-12);
         let t = &s.trim_shifts;

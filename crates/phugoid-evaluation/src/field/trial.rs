@@ -134,13 +134,39 @@ pub struct RealChange {
     pub time_s: f64,
     /// Names of the parameters that changed.
     pub parameters: Vec<String>,
+    /// Largest change of a true derivative among them, as a part of its value before; zero where constants changed only.
+    pub size: f64,
 }
 
+/// Part of a derivative from which a change counts as one of half of it. True values are least squares over the flight before and
+/// after, so that a derivative that was halved in the simulator's tables differs by 0.45 to 0.55.
+const HALF: f64 = 0.45;
+
 impl RealChange {
+    fn of(truth: &Truth) -> Option<Self> {
+        let change = truth.change.as_ref()?;
+        let relative = |name: &String| {
+            let (before, after) = (truth.truth.parameters.get(name)?.value, change.after.get(name)?.value);
+            (!is_constant(name)).then_some(((after - before) / before).abs())
+        };
+        let parameters: Vec<String> = change.changes.keys().cloned().collect();
+        let size = parameters.iter().filter_map(relative).fold(0.0, f64::max);
+        Some(Self { time_s: change.time_s, parameters, size })
+    }
+
+    /// Whether a derivative lost (or gained) half of its value or more.
+    pub fn is_of_half(&self) -> bool {
+        self.size >= HALF
+    }
+
     /// Whether constants changed only: no damage, but load, a tab, an asymmetry.
     pub fn is_trim_shift(&self) -> bool {
-        self.parameters.iter().all(|name| name.ends_with("_0"))
+        self.parameters.iter().all(|name| is_constant(name))
     }
+}
+
+fn is_constant(name: &str) -> bool {
+    name.ends_with("_0")
 }
 
 /// What one method made of one flight.
@@ -218,10 +244,7 @@ impl Flight {
             parameters: Vec::new(),
             consistency: None,
             adoptions: Adoptions::default(),
-            change: truth
-                .change
-                .as_ref()
-                .map(|c| RealChange { time_s: c.time_s, parameters: c.changes.keys().cloned().collect() }),
+            change: RealChange::of(truth),
             watched: None,
         };
         let Ok(record) = &self.record else { return trial };

@@ -8,7 +8,7 @@ use crate::statistics::median;
 use crate::table::clock::{self, Clock};
 use crate::table::columns::{self, ColumnUse, Plan};
 use crate::table::time_base::{self, Table};
-use crate::table::{TableError, TableOptions, derived, stuck_and_spikes};
+use crate::table::{TableError, TableOptions, derived, markers, stuck_and_spikes};
 use crate::wording::{Lines, Short, plural};
 
 /// What each row takes besides its values, bytes: its time, its number, and what is needed to put the rows in order and
@@ -71,7 +71,8 @@ pub(crate) fn record(read: Read<'_>, options: &TableOptions, mut report: Quality
         },
     });
     let mut few_missing = Vec::new();
-    for ((column, values), (text, example)) in plan.channels.into_iter().zip(table.columns).zip(text) {
+    for ((column, mut values), (text, example)) in plan.channels.into_iter().zip(table.columns).zip(text) {
+        take_markers(&column, &mut values, &mut report);
         if let Some(channel) = make_channel(&column, values, &text, &example, sparse, &mut few_missing, &mut report) {
             report.channels.push(quality_of(&column, channel.values.iter().filter(|value| value.is_nan()).count()));
             record.channels.push(channel);
@@ -180,6 +181,19 @@ fn quality_of(column: &ColumnUse, missing: usize) -> ChannelQuality {
 
 /// Makes the channel of a column and reports what is missing in it (a few missing values go to `few_missing`, to be
 /// reported together). `None` for a column without numbers that is no known channel.
+/// Takes the numbers that stand for "no value" out of a column, and says so.
+fn take_markers(column: &ColumnUse, values: &mut [f64], report: &mut QualityReport) {
+    // A sum of columns has no one number in the file.
+    if channels::by_name(&column.name).is_none() || !column.plus.is_empty() {
+        return;
+    }
+    if let Some((marker, count)) = markers::take(values, |raw| column.unit.to_si(column.scale * raw)) {
+        let cells = plural(count, "cell");
+        let message = format!("{cells} of {} hold {marker}, far from all other values: taken as missing", column.name);
+        report.warn(format!("column '{}'", column.header), message);
+    }
+}
+
 fn make_channel(
     column: &ColumnUse,
     values: Vec<f64>,

@@ -9,6 +9,7 @@ mod derived;
 mod error;
 mod from_columns;
 pub(crate) mod header;
+mod markers;
 mod stuck_and_spikes;
 pub(crate) mod time_base;
 mod time_column;

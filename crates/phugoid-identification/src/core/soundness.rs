@@ -69,7 +69,7 @@ pub enum ReasonCode {
     InputNoise,
     /// The unit or the sign of a channel is implausible.
     Units,
-    /// A channel stands still, or at the ends of its range, while the aircraft moves.
+    /// A channel stands still, or at the ends of its range, while the aircraft moves; or it was smoothed before it was recorded.
     Channel,
     /// Nothing moved above the noise.
     NoExcitation,
@@ -86,6 +86,8 @@ pub enum ReasonCode {
     /// A method of another kind gives another value: equation error beside a filter, output error or filter error, SMPE beside
     /// equation error.
     MethodsDisagree,
+    /// A term is missing in one coefficient, and with it values of other coefficients move far beyond their errors.
+    MissingTerm,
     /// A reason that this version does not know.
     #[serde(other)]
     Other,
@@ -115,6 +117,7 @@ impl ReasonCode {
             Self::ChangeInDoubt => "change-in-doubt",
             Self::NotConstant => "not-constant",
             Self::MethodsDisagree => "methods-disagree",
+            Self::MissingTerm => "missing-term",
             Self::Other => "other",
         }
     }
@@ -134,7 +137,7 @@ impl ReasonCode {
             Self::SensorError => "the sensors disagree with one another",
             Self::InputNoise => "a surface is recorded with much noise",
             Self::Units => "a unit or sign is implausible",
-            Self::Channel => "a channel is stuck or saturated",
+            Self::Channel => "a channel is stuck, saturated or smoothed",
             Self::NoExcitation => "nothing moved",
             Self::NoiseNotLearnt => "the noise levels are not yet known",
             Self::NotConverged => "no parameter has converged",
@@ -142,6 +145,7 @@ impl ReasonCode {
             Self::ChangeInDoubt => "a change is suspected at the end",
             Self::NotConstant => "the aircraft changes during the flight",
             Self::MethodsDisagree => "another method gives another value",
+            Self::MissingTerm => "a missing term bends other values",
             Self::Other => "see the reasons",
         }
     }
@@ -254,6 +258,7 @@ mod tests {
             ReasonCode::ChangeInDoubt,
             ReasonCode::NotConstant,
             ReasonCode::MethodsDisagree,
+            ReasonCode::MissingTerm,
         ] {
             assert_eq!(serde_json::to_string(&code).unwrap(), format!("\"{code}\""));
         }

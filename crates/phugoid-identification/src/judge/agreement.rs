@@ -110,9 +110,88 @@ pub(super) fn reason<'a>(
     })
 }
 
+/// Standard errors that a value has to lie from zero, so that its sign is known.
+const SIGN_KNOWN: f64 = 3.0;
+
+/// Whether the method beside this one gives a parameter the sign that no aeroplane has, and this one does not: then it is no witness.
+/// `is_mirrored` says whether a value of a parameter, with one sigma, has such a sign.
+pub(super) fn is_mirror_image(
+    parameters: &[ParameterResult],
+    answer: &SecondAnswer,
+    is_mirrored: impl Fn(&str, f64, f64) -> bool,
+) -> bool {
+    answer.values.iter().any(|other| {
+        let own = parameters.iter().find(|p| p.name == other.name);
+        is_mirrored(&other.name, other.value, other.std_error)
+            && own.is_some_and(|own| !is_mirrored(&own.name, own.value, own.random_std()))
+    })
+}
+
+/// A reason that speaks of a sign that no aeroplane has, said rightly where the method beside this one gives the parameter the sign that
+/// aeroplanes have: a sign that is reversed in the record is so for both.
+pub(super) fn of_sign(
+    method: Method,
+    parameters: &[ParameterResult],
+    answer: Option<&SecondAnswer>,
+    is_mirrored: impl Fn(&str, f64, f64) -> bool,
+    reason: VerdictReason,
+) -> VerdictReason {
+    let of_parameter = |name: &String| {
+        let own = parameters.iter().find(|p| p.name == *name)?;
+        let other = answer?.values.iter().find(|v| v.name == *name)?;
+        let differs = is_mirrored(name, own.value, own.random_std())
+            && other.value * own.value < 0.0
+            && other.value.abs() > SIGN_KNOWN * other.std_error;
+        differs.then_some((own, other, answer?.method))
+    };
+    let found = (reason.code == ReasonCode::Sign).then(|| reason.concerns.iter().find_map(of_parameter)).flatten();
+    let Some((own, other, second)) = found else { return reason };
+    VerdictReason {
+        concerns: vec![own.name.clone()],
+        sentence: format!(
+            "{} is {} +- {} by {method}, a sign that no aeroplane has, and {} +- {} by {second}. A sign that is reversed in the record \
+             would be so for both: {method} ran into a solution with the opposite sign, as it can in gusts. Use filter-error, or the \
+             values of {second} where it gives no reason to doubt.",
+            own.name,
+            significant(own.value, 4),
+            significant(own.random_std(), 2),
+            significant(other.value, 4),
+            significant(other.std_error, 2),
+        ),
+        ..reason
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_sign_that_the_method_alone_has_is_no_reversed_channel() {
+        let own = |value: f64| ParameterResult { value, ..found(0.1, 0.0, false) };
+        let mirrored = |_: &str, value: f64, _: f64| value < 0.0;
+        let answer = |value: f64| SecondAnswer {
+            method: Method::EquationError,
+            values: vec![OtherValue { name: "CL_q".to_owned(), value, std_error: 0.2 }],
+        };
+        let said = |value: f64, other: f64| {
+            let reason = VerdictReason {
+                code: ReasonCode::Sign,
+                status: EstimationStatus::Refused,
+                concerns: vec!["CL_q".to_owned(), "alpha".to_owned()],
+                sentence: "write `scale = -1`".to_owned(),
+            };
+            of_sign(Method::Smpe, &[own(value)], Some(&answer(other)), mirrored, reason)
+        };
+        let found = said(-2.0, 5.0);
+        assert_eq!((found.status, found.concerns), (EstimationStatus::Refused, vec!["CL_q".to_owned()]));
+        assert!(found.sentence.starts_with("CL_q is -2.000 +- 0.10 by smpe, a sign that no aeroplane has, and 5.000"));
+        // Both have it, or the other one is not known.
+        assert!([-3.0, 0.3].iter().all(|other| said(-2.0, *other).sentence.contains("scale = -1")));
+        // The same, asked of equation error with the filter beside it.
+        let is_image = |own_value: f64, other: f64| is_mirror_image(&[own(own_value)], &answer(other), mirrored);
+        assert!(is_image(5.0, -2.0) && !is_image(-2.0, -2.0) && !is_image(5.0, 2.0));
+    }
 
     /// A parameter of 1.0 by a method, with a random and a declared part of its error.
     fn found(random: f64, systematic: f64, nuisance: bool) -> ParameterResult {

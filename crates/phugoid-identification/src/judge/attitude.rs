@@ -10,12 +10,16 @@ use crate::core::output::Output;
 /// turbulence and in a slow phugoid.
 const LOST: f64 = 50.0;
 
+/// Noise of an attitude below which the ratio says nothing, rad (0.02 deg): a channel that was smoothed or interpolated before it was
+/// recorded shows none, and no model follows the attitude to thousandths of a degree.
+const LEAST_NOISE: f64 = 3.5e-4;
+
 /// Names the attitude angles that the filter does not follow. `levels` are the measured outputs, each with the noise that
 /// the record or the model file gives and the level of its residual that was learnt, rad.
 pub(super) fn reason(levels: impl Iterator<Item = (Output, f64, f64)>) -> Option<VerdictReason> {
     let lost: Vec<(Output, f64, f64)> = levels
         .filter(|(output, noise, learnt)| {
-            matches!(output, Output::Phi | Output::Theta) && *noise > 0.0 && *learnt > LOST * noise
+            matches!(output, Output::Phi | Output::Theta) && *noise > 0.0 && *learnt > LOST * noise.max(LEAST_NOISE)
         })
         .collect();
     let list: Vec<String> = lost
@@ -55,6 +59,8 @@ mod tests {
             found.sentence.contains("theta is predicted to 4.9 deg (one sigma), and its noise is 0.10 deg"),
             "{found:?}"
         );
+        // A smoothed channel shows no noise.
+        assert!(of(Output::Theta, 1e-7, 0.002).is_none() && of(Output::Theta, 1e-7, 0.02).is_some());
         assert!(of(Output::Phi, 0.001, 0.051).is_some() && of(Output::Phi, 0.001, 0.049).is_none());
         // Gusts move the other outputs, and a channel without noise tells nothing.
         assert!(of(Output::PitchRate, 0.001, 0.1).is_none() && of(Output::Theta, 0.0, 0.1).is_none());

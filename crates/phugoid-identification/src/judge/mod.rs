@@ -18,6 +18,7 @@ pub(crate) mod offer;
 pub(crate) mod physics;
 pub(crate) mod readiness;
 mod reasons;
+mod smoothed;
 pub(crate) mod summary;
 mod systematic;
 mod total;

@@ -19,7 +19,10 @@ use crate::batch::{
     tables,
 };
 use crate::core::error::EstimateError;
-use crate::core::estimation::{Estimation, ModelLine, Offer, OfferCriterion, OfferedTerm, ResidualLevel, TermEffect};
+use crate::core::estimation::{
+    Estimation, EstimationStatus, FinalStatus, ModelLine, Offer, OfferCriterion, OfferedTerm, ParameterResult,
+    ReasonCode, ResidualLevel, TermEffect, VerdictReason,
+};
 use crate::core::number::significant;
 use crate::core::options::{CAPACITY, Likelihood, capacity};
 use crate::core::output::Output;
@@ -295,6 +298,50 @@ pub(crate) fn confirm(offer: &mut Offer, with: &Estimation) -> bool {
     all
 }
 
+/// Claimed standard errors by which a value of another coefficient than that of a missing term has to move with it.
+const BENT: f64 = 4.0;
+
+/// The doubt about values that a missing term bends, though it is one of another coefficient: what it makes of the motion is then
+/// put down to them. With the term they come out right on flights of another simulator (docs/methods.md), so that the values and
+/// bounds without it are wrong. What moves in the coefficient of the term itself is no error: without it, its derivatives mean
+/// something else.
+pub(crate) fn doubt(offer: &Offer, parameters: &[ParameterResult], file: &ModelFile) -> Option<VerdictReason> {
+    let is_own = |name: &str| {
+        let of = file.parameters.iter().find(|p| p.name == name).and_then(coefficient);
+        of.is_none_or(|of| offer.missing().any(|term| term.coefficient == of.symbol()))
+    };
+    let is_claimed = |name: &str| {
+        let found = parameters.iter().find(|p| p.name == name);
+        found.is_some_and(|p| matches!(p.status, FinalStatus::Converged | FinalStatus::Improving))
+    };
+    let bent: Vec<(&TermEffect, f64, f64)> = offer
+        .effects
+        .iter()
+        .filter(|e| !is_own(&e.parameter) && is_claimed(&e.parameter))
+        .filter_map(|e| e.before.zip(e.before_std).map(|(before, std)| (e, before, std)))
+        .filter(|(e, before, std)| (e.after - before).abs() > BENT * std)
+        .collect();
+    let list: Vec<String> = bent
+        .iter()
+        .map(|(e, before, std)| {
+            let errors = (e.after - before).abs() / std;
+            let [before, after] = [*before, e.after].map(|v| significant(v, DIGITS));
+            format!("{} {before} -> {after} ({errors:.1} of its errors)", e.parameter)
+        })
+        .collect();
+    (!bent.is_empty()).then(|| VerdictReason {
+        code: ReasonCode::MissingTerm,
+        status: EstimationStatus::Doubtful,
+        concerns: bent.iter().map(|(e, ..)| e.parameter.clone()).collect(),
+        sentence: format!(
+            "The model lacks {}, and what that makes of the motion is put down to other coefficients. With it they move: {}. \
+             Estimate with the term (--structure auto, or the lines for the model file below).",
+            missing_in_words(offer),
+            list.join(", ")
+        ),
+    })
+}
+
 /// Writes into an offer what its terms do to the estimates, and the lines for the model file. `before` is none where the
 /// method found no estimate without them.
 pub(crate) fn complete(
@@ -305,7 +352,7 @@ pub(crate) fn complete(
     after: &Estimation,
 ) {
     let is_bias = |name: &str| with.parameters.iter().any(|p| p.name == name && matches!(p.role, Role::Bias(_)));
-    let effect = |found: &crate::core::estimation::ParameterResult| {
+    let effect = |found: &ParameterResult| {
         let former = before.and_then(|before| before.parameter(&found.name));
         TermEffect {
             parameter: found.name.clone(),
@@ -419,4 +466,79 @@ pub(crate) fn sentence(offer: &Offer) -> Option<String> {
              tried; --structure auto takes them in."
         )
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_missing_term_is_a_doubt_where_it_bends_values_of_other_coefficients() {
+        let file = ModelFile::named("hfb320").unwrap();
+        let effect = |parameter: &str, after: f64| TermEffect {
+            parameter: parameter.to_owned(),
+            before: Some(1.0),
+            before_std: Some(0.1),
+            after,
+            after_std: 0.1,
+        };
+        let [of_lift, of_drag] = ["CL_alpha", "CD_0"];
+        assert!([of_lift, of_drag].iter().all(|name| file.parameters.iter().any(|p| p.name == *name)));
+        let result = |name: &str, status: FinalStatus| ParameterResult {
+            name: name.to_owned(),
+            unit: "-".to_owned(),
+            value: 1.0,
+            std_error: 0.1,
+            corrected_std_error: 0.1,
+            systematic_std: 0.0,
+            correction_std: 0.0,
+            systematic_parts: Vec::new(),
+            lower: 0.8,
+            upper: 1.2,
+            status,
+            converged_at_s: None,
+            observability: 1.0,
+            initial: 0.0,
+            prior_std: 1.0,
+            bounds: None,
+            truth: None,
+            nuisance: false,
+            readiness: None,
+        };
+        let said = |effects: Vec<TermEffect>, status: FinalStatus| {
+            let term = OfferedTerm {
+                coefficient: "CD".to_owned(),
+                term: "elevator".to_owned(),
+                input: None,
+                parameter: "CD_elevator".to_owned(),
+                value: 0.1,
+                std_error: 0.01,
+                partial_f: 100.0,
+                share: Some(0.1),
+                excess: None,
+                asked_for: true,
+                prior_std: 1.0,
+            };
+            let criterion = OfferCriterion { partial_f: 42.0, share: 0.04, excess: 0.1 };
+            let offer = Offer {
+                tried: 1,
+                criterion,
+                levels: Vec::new(),
+                terms: vec![term],
+                effects,
+                lines: Vec::new(),
+                taken: false,
+                reference_speed: 100.0,
+            };
+            doubt(&offer, &[result(of_lift, status), result(of_drag, status)], &file)
+        };
+        let found = said(vec![effect(of_lift, 1.5), effect(of_drag, 3.0)], FinalStatus::Converged).unwrap();
+        assert_eq!((found.code, found.concerns), (ReasonCode::MissingTerm, vec![of_lift.to_owned()]));
+        assert!(
+            found.sentence.contains("lacks elevator in CD")
+                && found.sentence.contains("CL_alpha 1.000 -> 1.500 (5.0 of")
+        );
+        assert!(said(vec![effect(of_lift, 1.3), effect(of_drag, 3.0)], FinalStatus::Converged).is_none());
+        assert!(said(vec![effect(of_lift, 1.5)], FinalStatus::NotExcited).is_none());
+    }
 }

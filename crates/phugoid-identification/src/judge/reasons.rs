@@ -12,7 +12,7 @@ use crate::core::estimation::{
 use crate::core::method::Method;
 use crate::judge::contradiction::{self, Unsettled};
 use crate::judge::equations::Equations;
-use crate::judge::{agreement, attitude, constancy, explained, fit, input_noise, integrity, physics};
+use crate::judge::{agreement, attitude, constancy, explained, fit, input_noise, integrity, physics, smoothed};
 use crate::methods::{Run, Task};
 use crate::model_file::{ModelFile, Role};
 use crate::motion::Motion;
@@ -35,6 +35,9 @@ pub(crate) fn reasons<M: Motion<N, R>, const N: usize, const R: usize>(
     equations: Option<&Equations>,
 ) -> Vec<VerdictReason> {
     let mut found: Vec<VerdictReason> = Vec::new();
+    let is_mirrored = |name: &str, value: f64, std_error: f64| {
+        task.file.estimated().any(|p| p.name == name && physics::is_mirrored(&p.role, value, std_error))
+    };
     if run.excited {
         found.extend(diverged(run));
         let learnt = learnt_groups(task.file, parameters);
@@ -52,7 +55,9 @@ pub(crate) fn reasons<M: Motion<N, R>, const N: usize, const R: usize>(
         let method = task.method();
         let is_constant = |name: &str| task.file.estimated().any(|p| p.name == name && p.role.is_constant());
         let against = |answer| agreement::reason(method, parameters, answer, is_constant);
-        found.extend(run.second_answer.as_ref().and_then(against));
+        let witness = run.second_answer.as_ref();
+        let witness = witness.filter(|answer| !agreement::is_mirror_image(parameters, answer, is_mirrored));
+        found.extend(witness.and_then(against));
         found.extend(run.noise.and_then(|_| explained::reason(history)));
         found.extend(run.noise.and_then(|learnt| {
             let outputs = M::AXES.outputs().iter().zip(task.noise).zip(learnt.std);
@@ -60,13 +65,19 @@ pub(crate) fn reasons<M: Motion<N, R>, const N: usize, const R: usize>(
         }));
         found.extend(input_noise::reason(&task.prepared.surface_noise));
         found.extend(input_noise::wild(&task.prepared.wild_values));
+        found.extend(smoothed::reason(task));
         found.extend(integrity::reason(record, task));
         found.extend(unsettled(parameters, run));
     } else {
         found.push(no_excitation(M::AXES, &history.measured));
     }
     found.extend(doubts.iter().map(channel));
-    found.extend(physics::reasons(record, task, parameters, correlation, run.excited));
+    let of_physics = physics::reasons(record, task, parameters, correlation, run.excited).into_iter();
+    found.extend(
+        of_physics.map(|reason| {
+            agreement::of_sign(task.method(), parameters, run.second_answer.as_ref(), is_mirrored, reason)
+        }),
+    );
     found.sort_by_key(|reason| std::cmp::Reverse(reason.status));
     found
 }

@@ -8,7 +8,7 @@ use crate::core::axes::Axes;
 use crate::core::correlation::correlation;
 use crate::core::estimation::{
     AdoptedChange, ChangedParameter, Estimation, FinalStatus, History, OutputConsistency, ParameterHistory,
-    ParameterResult, Signal, status_of,
+    ParameterResult, Signal, VerdictReason, status_of,
 };
 use crate::core::options::{EstimateOptions, Opens};
 use crate::core::output::Output;
@@ -22,11 +22,13 @@ use crate::methods::{ColumnRun, EveryRoom, Run, RunChange, Task};
 use crate::model_file::{ModelFile, Parameter};
 use crate::motion::Motion;
 
+/// The result of a run. `further`: a reason against it that is known from elsewhere.
 pub(crate) fn summarise<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     record: &Record,
     task: &Task<M, N, R>,
     run: &Run<R>,
     doubts: &[Doubt],
+    further: Option<VerdictReason>,
 ) -> Estimation {
     let Task { prepared, file, options, noise, .. } = *task;
     let columns = columns(file);
@@ -51,7 +53,9 @@ pub(crate) fn summarise<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     let noise_signals = measured(file).map(|(row, o)| signal(o.name(), o.unit(), vec![std(row)])).collect();
     let effective = effective(&mut parameters, &correlation, file);
     let equations = if run.excited { Equations::of(task, run) } else { None };
-    let reasons = reasons(task, record, &parameters, &correlation, run, doubts, &history, equations.as_ref());
+    let mut reasons = reasons(task, record, &parameters, &correlation, run, doubts, &history, equations.as_ref());
+    reasons.extend(further);
+    reasons.sort_by_key(|reason| std::cmp::Reverse(reason.status));
     demote(&mut parameters, &reasons);
     let changes = changes(&columns, run);
     let totals = totals(prepared, file, &parameters);

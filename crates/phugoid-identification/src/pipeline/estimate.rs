@@ -5,12 +5,12 @@ use phugoid_flight_data::record::Record;
 use crate::batch::BatchError;
 use crate::core::axes::Axes;
 pub use crate::core::error::EstimateError;
-use crate::core::estimation::{Estimation, Offer};
+use crate::core::estimation::{Estimation, Offer, VerdictReason};
 use crate::core::health::HealthOptions;
 pub use crate::core::options::{CAPACITY, EstimateOptions, KnownChange, Method, Opens, StructureSearch, capacity};
 use crate::core::stack::on_a_large_stack;
 use crate::judge::offer::{
-    complete, confirm, found_rate_of_alpha, missing_in_words, search, sentence, with_rate_of_alpha,
+    complete, confirm, doubt, found_rate_of_alpha, missing_in_words, search, sentence, with_rate_of_alpha,
 };
 pub use crate::judge::offer::{tried_by_the_method, with_offered};
 use crate::judge::summary::summarise;
@@ -137,6 +137,9 @@ fn pipeline_of<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     };
     if let Some(mut offer) = offer {
         offer.taken = taken;
+        if !taken && let Some(reason) = doubt(&offer, &chosen.estimation.parameters, model) {
+            chosen.estimation = (chosen.with_reason)(reason);
+        }
         if let Some(sentence) = sentence(&offer) {
             // Beside the reasons against the result, of which a missing term is the most probable cause.
             let of_reason = |said: &String| chosen.estimation.reasons.iter().any(|reason| reason.sentence == *said);
@@ -152,12 +155,12 @@ fn pipeline_of<M: EveryRoom<N, R>, const N: usize, const R: usize>(
 
 /// Runs the method with the terms of an offer, until it finds all that are left: those that it does not find are left
 /// out, and the others tried again. The run with them; `None` if none is left.
-fn confirmed(
+fn confirmed<'a>(
     offer: &mut Offer,
     model: &ModelFile,
     before: Option<&Estimation>,
-    run: &mut dyn FnMut(&ModelFile) -> Result<Once, EstimateError>,
-) -> Option<Once> {
+    run: &mut dyn FnMut(&ModelFile) -> Result<Once<'a>, EstimateError>,
+) -> Option<Once<'a>> {
     while offer.best().is_some() {
         let with = with_offered(model, offer);
         let Some((with, Ok(after))) = with.as_ref().map(|with| (with, run(with))) else {
@@ -175,13 +178,13 @@ fn confirmed(
 
 /// Runs the method with the term that only it can be asked for, beside those that are missing already, and puts that into the
 /// offer if it finds it: the run with all of them.
-fn by_the_method(
+fn by_the_method<'a>(
     offer: &mut Offer,
     model: &ModelFile,
     method: Method,
     before: Option<&Estimation>,
-    run: &mut dyn FnMut(&ModelFile) -> Result<Once, EstimateError>,
-) -> Option<Once> {
+    run: &mut dyn FnMut(&ModelFile) -> Result<Once<'a>, EstimateError>,
+) -> Option<Once<'a>> {
     let with = with_rate_of_alpha(&with_offered(model, offer)?, method)?;
     if with.estimated().count() > capacity(with.axes) {
         return None;
@@ -193,25 +196,27 @@ fn by_the_method(
 }
 
 /// One run of a method.
-struct Once {
+struct Once<'a> {
     estimation: Estimation,
+    /// The same with one more reason against it.
+    with_reason: Box<dyn Fn(VerdictReason) -> Estimation + 'a>,
     watched: Option<HealthRun>,
     /// The terms that the equations of motion ask for, not confirmed yet, if they are to be looked for.
     offer: Option<Offer>,
 }
 
-fn once<M: EveryRoom<N, R>, const N: usize, const R: usize>(
-    record: &Record,
+fn once<'a, M: EveryRoom<N, R> + 'a, const N: usize, const R: usize>(
+    record: &'a Record,
     model: &ModelFile,
     options: &EstimateOptions,
     health: Option<&HealthOptions>,
     progress: &mut dyn FnMut(f64),
-) -> Result<Once, EstimateError> {
+) -> Result<Once<'a>, EstimateError> {
     let prepared: Prepared<M, N, R> = prepare(record, model)?;
     let doubts = doubts(record, model)?;
     let noise = noise_levels(&prepared, model)?;
-    let model = &*prepared.with_time_of_surfaces(model);
-    let task = Task { prepared: &prepared, file: model, options, noise: &noise, health };
+    let model = prepared.with_time_of_surfaces(model).into_owned();
+    let task = Task { prepared: &prepared, file: &model, options, noise: &noise, health };
     // The second look takes the second half.
     let first = if looks_back(&task) { 0.5 } else { 1.0 };
     let causal = run(&task, &mut |done| progress(first * done))?;
@@ -221,10 +226,15 @@ fn once<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     }
     progress(1.0);
     let watched = run.health.take();
-    let estimation = summarise(record, &task, &run, &doubts);
+    let estimation = summarise(record, &task, &run, &doubts, None);
     let is_wanted = options.structure != StructureSearch::Never && run.excited;
     let offer = if is_wanted { search(record, &task)? } else { None };
-    Ok(Once { estimation, watched, offer })
+    let options = options.clone();
+    let with_reason = Box::new(move |reason| {
+        let task = Task { prepared: &prepared, file: &model, options: &options, noise: &noise, health: None };
+        summarise(record, &task, &run, &doubts, Some(reason))
+    });
+    Ok(Once { estimation, with_reason, watched, offer })
 }
 
 /// The terms that the equations of motion ask for, where the method itself gave nothing.

@@ -28,7 +28,8 @@ pub(crate) fn doubts(record: &Record, model: &ModelFile) -> Result<Vec<Doubt>, E
 }
 
 /// One sigma of the noise per output: the model file's, else measured from the beginning of the record; of an
-/// instrument that is slower than the record, from its own samples.
+/// instrument that is slower than the record, from its own samples; of one whose steps are larger than its noise, from
+/// these steps.
 ///
 /// # Errors
 /// [`EstimateError::Noise`] if it cannot be measured.
@@ -43,7 +44,8 @@ pub(crate) fn noise_levels<M: Motion<N, R>, const N: usize, const R: usize>(
         let found = match OwnSamples::of(&values) {
             // Of a slow instrument the first two seconds hold next to nothing: as many samples as of a fast one at least.
             Some(own) => own.noise(&values, FEWEST_SAMPLES.max(own.up_to(length))),
-            None => measure_noise(&values[..length]),
+            // A coarse recorder shows one value until the aircraft moves: its steps are seen in the whole record.
+            None => measure_noise(&values[..length]).or_else(|| measure_noise(&values)),
         };
         let white = found.map_or(0.0, |found| found.std);
         levels[row] = match model.noise[output.index()] {

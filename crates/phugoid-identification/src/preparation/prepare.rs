@@ -17,6 +17,7 @@ use crate::models::longitudinal::{Database, LongitudinalModel};
 use crate::motion::{Motion, ReferencePoint};
 use crate::preparation::database_part::{Condition, database_parts};
 use crate::preparation::intake::{KnownInput, Origin, known_inputs, model_input};
+use crate::preparation::noise::OwnSamples;
 pub use crate::preparation::prepared::Prepared;
 use crate::preparation::prepared::speeds;
 use crate::preparation::reaction::surfaces;
@@ -55,6 +56,24 @@ fn slowness(slow: &SlowSurface, is_straight: bool) -> String {
     )
 }
 
+/// Leaves of an output that runs straight between the samples of a slower instrument these samples alone, and says so: what
+/// stands between them was computed and not measured. A method that takes it for measurements believes that the instrument has
+/// hardly any noise, and that the aircraft does not answer at once to what moves between the samples.
+fn take_lines<const R: usize>(outputs: &mut [[f64; R]], row: usize, name: &str, time_s: &[f64]) -> Option<String> {
+    let values: Vec<f64> = outputs.iter().map(|y| y[row]).collect();
+    // What is held until the next sample steps in every row of its own.
+    let own = OwnSamples::on_straight_lines(&values).filter(|_| OwnSamples::of(&values).is_none())?;
+    let own_s: Vec<f64> = own.rows().iter().map(|row| time_s[*row]).collect();
+    let step_s = median_step(&own_s)?;
+    outputs.iter_mut().for_each(|y| y[row] = f64::NAN);
+    own.rows().iter().for_each(|k| outputs[*k][row] = values[*k]);
+    Some(format!(
+        "{name} runs straight between samples every {:.0} ms: it is slower than the record, and what stands between these samples is \
+         no measurement. They alone are used",
+        1e3 * step_s
+    ))
+}
+
 /// Says that single values were taken from a surface.
 fn spikes(name: &str, count: usize) -> String {
     format!(
@@ -65,6 +84,12 @@ fn spikes(name: &str, count: usize) -> String {
 
 /// Says that a surface was smoothed.
 fn smoothing(name: &str, noise: SurfaceNoise) -> Option<String> {
+    if noise.stands_still() {
+        return Some(format!(
+            "the recorded {name} does not move beyond its noise of {:.2e} rad: it was taken to stand still",
+            noise.std
+        ));
+    }
     (noise.left < noise.share).then(|| {
         format!(
             "the recorded {name} has white noise of {:.2e} rad, {:.1} % of its scatter, to which no aircraft answers: it was \
@@ -292,9 +317,15 @@ fn collect<M: Motion<N, R>, const N: usize, const R: usize>(
     // What comes later decides it where the file does not: until then they are held, and so they stay in a live session.
     let hold = if file.input == InputHold::Interpolated { file.input } else { InputHold::Held };
     let inputs = model_inputs::<M, N, R>(&known, file, hold);
-    let outputs: Vec<[f64; R]> = (first..record.time.len())
+    let mut outputs: Vec<[f64; R]> = (first..record.time.len())
         .map(|k| std::array::from_fn(|i| measured.get(i).copied().flatten().map_or(f64::NAN, |values| values[k])))
         .collect();
+    // In flight the next value of a line is not known, and so nobody draws one.
+    if sight == Sight::Whole {
+        for (row, output) in M::AXES.outputs().iter().enumerate() {
+            notes.extend(take_lines(&mut outputs, row, output.name(), &time));
+        }
+    }
     for (row, output) in M::AXES.outputs().iter().enumerate() {
         if file.outputs[output.index()] && !outputs.iter().any(|y| y[row].is_finite()) {
             return Err(EstimateError::EmptyChannel(output.name().to_owned()));

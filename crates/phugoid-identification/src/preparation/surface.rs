@@ -14,7 +14,7 @@
 //! rest it averages over seconds, and at an edge it follows the samples.
 
 use nalgebra::{Matrix2, Vector2};
-use phugoid_flight_data::statistics::median_step;
+use phugoid_flight_data::statistics::{median, median_step};
 
 use crate::preparation::noise::{measure_noise, without_outliers};
 
@@ -35,9 +35,22 @@ pub(crate) struct SurfaceNoise {
     pub(crate) std: f64,
     /// Its share in the scatter of the signal, 0 to 1.
     pub(crate) share: f64,
-    /// The share that is left: that of the variance of the smoothed signal. Equal to `share` where it is as recorded.
+    /// The share that is left: that of the variance of the smoothed signal. Equal to `share` where it is as recorded; zero of a
+    /// surface that stands still, whose scatter is noise alone.
     pub(crate) left: f64,
 }
+
+impl SurfaceNoise {
+    /// Whether the surface does not move beyond its noise.
+    pub(crate) fn stands_still(self) -> bool {
+        self.left == 0.0
+    }
+}
+
+/// A surface stands still if its noise is this part of its scatter or more, and it never is farther from its median, smoothed,
+/// than so many sigmas of the noise.
+const MOSTLY_NOISE: f64 = 0.5;
+const STILL: f64 = 2.0;
 
 /// The noise of a surface of a record; none for noise below the step of the recorder, and for a signal that stands still.
 pub(crate) fn noise_of(values: &[f64]) -> Option<SurfaceNoise> {
@@ -63,6 +76,12 @@ pub(crate) fn smooth(time_s: &[f64], values: &mut [f64]) -> Option<SurfaceNoise>
         return Some(noise);
     }
     let Some(smoothed) = smoothed(time_s, values, noise.std) else { return Some(noise) };
+    if let Some(rest) = median(&mut smoothed.values.clone()).filter(|_| noise.share > MOSTLY_NOISE)
+        && smoothed.values.iter().all(|value| (value - rest).abs() < STILL * noise.std)
+    {
+        values.iter_mut().filter(|value| value.is_finite()).for_each(|value| *value = rest);
+        return Some(SurfaceNoise { left: 0.0, ..noise });
+    }
     for (value, smoothed) in values.iter_mut().zip(&smoothed.values) {
         // What is missing is held by the caller, who says so.
         if value.is_finite() {
@@ -294,6 +313,21 @@ mod tests {
         assert!(found.is_none_or(|noise| noise.share < SMOOTHED), "{found:?}");
         let mut still = vec![0.01; 500];
         assert_eq!(smooth(&time[..500], &mut still), None);
+    }
+
+    #[test]
+    fn a_surface_with_noise_alone_stands_still_and_one_that_moves_once_does_not() {
+        let (time, _) = motion();
+        let mut random = noise();
+        let noisy: Vec<f64> = time.iter().map(|_| -0.01 + 0.0002 * random()).collect();
+        let mut values = noisy.clone();
+        assert!(smooth(&time, &mut values).unwrap().stands_still());
+        assert!(values.iter().all(|v| *v == values[0]) && (values[0] + 0.01).abs() < 1e-4, "{}", values[0]);
+        // A pulse of a tenth of a degree, of one second in forty.
+        let mut pulse: Vec<f64> =
+            noisy.iter().enumerate().map(|(k, v)| if (500..550).contains(&k) { v + 0.0017 } else { *v }).collect();
+        assert!(!smooth(&time, &mut pulse).unwrap().stands_still());
+        assert!(pulse[525] - pulse[400] > 0.001);
     }
 
     #[test]

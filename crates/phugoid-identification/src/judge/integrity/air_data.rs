@@ -4,7 +4,7 @@ use phugoid_flight_data::record::Record;
 use phugoid_flight_data::statistics::median;
 use phugoid_flight_dynamics::atmosphere::Atmosphere;
 
-use super::Finding;
+use super::{Finding, What};
 
 /// Smallest departure that is reported where the density was recorded: 2.5 % are twice what installation errors of the
 /// pitot system may be together with a thermometer's (14 CFR 25.1323).
@@ -43,6 +43,7 @@ pub(super) fn findings(record: &Record) -> Option<Vec<Finding>> {
         [middle(false)?, middle(true)?].into_iter().min_by(|a, b| (a - 1.0).abs().total_cmp(&(b - 1.0).abs()))?;
     let is_wrong = (found - 1.0).abs() > limit;
     Some(Vec::from_iter(is_wrong.then(|| Finding {
+        what: What::Other,
         channel: "true_airspeed",
         sentence: format!(
             "the airspeed is {found:.3} times what the dynamic pressure and {source} give: check its calibration, and \

@@ -8,7 +8,7 @@
 //!
 //! without wind that changes (B. L. Stevens, F. L. Lewis, *Aircraft Control and Simulation*, chapter 2).
 
-use super::{Finding, delay, is_off, late_in_still_air};
+use super::{Finding, What, delay, is_off, late_in_still_air};
 use crate::preparation::windows::GUSTS;
 use crate::preparation::windows::channels::Channels;
 use crate::preparation::windows::regression::{factors, integral};
@@ -35,7 +35,7 @@ pub(super) fn findings(channels: &Channels, gravity: f64) -> Option<Vec<Finding>
                 of.value[0],
                 2.0 * of.std[0]
             );
-            found.push(Finding { channel: "p", sentence });
+            found.push(Finding { channel: "p", what: What::Factor, sentence });
         }
         found.extend(delay("phi", of.value[1], of.std[1], step_s));
     }
@@ -82,7 +82,7 @@ pub(super) fn findings(channels: &Channels, gravity: f64) -> Option<Vec<Finding>
                 text(1),
                 text(2)
             );
-            found.push(Finding { channel: name, sentence });
+            found.push(Finding { channel: name, what: What::Factor, sentence });
         }
         found.extend(late);
     }

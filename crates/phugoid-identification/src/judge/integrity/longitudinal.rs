@@ -10,7 +10,7 @@
 
 use phugoid_flight_data::statistics::{median, robust_std};
 
-use super::{Finding, is_off, late_in_still_air};
+use super::{Finding, What, is_off, late_in_still_air};
 use crate::preparation::windows::GUSTS;
 use crate::preparation::windows::channels::Channels;
 use crate::preparation::windows::regression::{factors, integral};
@@ -63,7 +63,7 @@ pub(super) fn findings(channels: &Channels, gravity: f64) -> Option<Vec<Finding>
                 text(0),
                 text(1)
             );
-            found.push(Finding { channel: name, sentence });
+            found.push(Finding { channel: name, what: What::Factor, sentence });
         }
         found.extend(late);
     }
@@ -77,7 +77,7 @@ pub(super) fn findings(channels: &Channels, gravity: f64) -> Option<Vec<Finding>
             of.value[0],
             2.0 * of.std[0]
         );
-        found.push(Finding { channel: "q", sentence });
+        found.push(Finding { channel: "q", what: What::Factor, sentence });
     }
     if let Some((excess, std)) = vertical_excess(channels, gravity)
         && excess.abs() > (SIGNIFICANT * std).max(ACCELERATION)
@@ -94,7 +94,7 @@ pub(super) fn findings(channels: &Channels, gravity: f64) -> Option<Vec<Finding>
             "the accelerometers claim a mean vertical acceleration of {excess:+.2} m/s^2 that the flight path does not \
              show: check scale, bias and mounting of az.{banked}"
         );
-        found.push(Finding { channel: "az", sentence });
+        found.push(Finding { channel: "az", what: What::Other, sentence });
     }
     Some(found)
 }

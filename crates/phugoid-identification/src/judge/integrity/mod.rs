@@ -30,18 +30,80 @@ const DELAY_SAMPLES: f64 = 1.0;
 struct Finding {
     /// The channel that is probably wrong.
     channel: &'static str,
+    what: What,
     sentence: String,
 }
 
+/// What kind of disagreement it is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum What {
+    /// The channel is late by so much, s (negative: early), with one sigma.
+    Late { late_s: f64, std_s: f64 },
+    /// A channel follows what others make of it by a factor.
+    Factor,
+    /// Any other.
+    Other,
+}
+
+/// Largest standard error of a factor that says anything of a scale; and of one below a half, which is what the noise of a flow angle
+/// makes where nothing but gusts moves it.
+const KNOWN: f64 = 0.1;
+const KNOWN_OF_SMALL: f64 = 0.05;
+
 /// Whether a factor that should be one is not.
 fn is_off(value: f64, std: f64) -> bool {
-    (value - 1.0).abs() > (SIGNIFICANT * std).max(SCALE)
+    let is_known = std < if value < 0.5 { KNOWN_OF_SMALL } else { KNOWN };
+    is_known && (value - 1.0).abs() > (SIGNIFICANT * std).max(SCALE)
+}
+
+/// What else is early by as much where a rate gyro is late: its rate, the angles that its integral is held against, and the surface
+/// that it answers to.
+const GYROS: [(&str, &[&str], &str); 3] =
+    [("q", &["alpha", "theta"], "elevator"), ("p", &["phi"], "aileron"), ("r", &["beta"], "rudder")];
+/// Part of its delay by which an angle and a surface may differ to be called early by as much, beside three standard errors.
+const AS_MUCH: f64 = 0.25;
+
+/// Puts a late rate gyro in the place of an angle and a surface that are early by as much: nothing is recorded before it happens, but
+/// whatever is held against a gyro that is late seems to be. Factors by which angles follow that gyro are wrong with it.
+fn blame_gyros(found: &mut Vec<Finding>) {
+    for (gyro, angles, surface) in GYROS {
+        let early = |finding: &Finding| match finding.what {
+            What::Late { late_s, std_s } if late_s < 0.0 => Some((-late_s, std_s)),
+            _ => None,
+        };
+        let of = |name: &str| found.iter().find(|f| f.channel == name).and_then(|f| early(f));
+        let Some((by_surface_s, surface_std_s)) = of(surface) else { continue };
+        let agrees = |(s, std_s): (f64, f64)| {
+            (s - by_surface_s).abs() < (3.0 * std_s.hypot(surface_std_s)).max(AS_MUCH * by_surface_s)
+        };
+        let Some(angle) = angles.iter().find(|name| of(name).is_some_and(agrees)) else { continue };
+        let (by_angle_s, angle_std_s) = of(angle).unwrap_or_default();
+        let sentence = format!(
+            "{gyro} was recorded about {:.0} ms late: {angle} seems to be {:.0} ± {:.0} ms early, and the {surface} {:.0} ± {:.0} ms (two \
+             sigma), and nothing is recorded before it happens. Check the delay and the filter of {gyro}",
+            1e3 * by_surface_s,
+            1e3 * by_angle_s,
+            2e3 * angle_std_s,
+            1e3 * by_surface_s,
+            2e3 * surface_std_s
+        );
+        let is_explained = |f: &Finding| {
+            let of_gyro = f.channel == gyro || f.channel == surface || angles.contains(&f.channel);
+            of_gyro && (f.what == What::Factor || early(f).is_some())
+        };
+        found.retain(|f| !is_explained(f));
+        found.insert(
+            0,
+            Finding { channel: gyro, what: What::Late { late_s: by_surface_s, std_s: surface_std_s }, sentence },
+        );
+    }
 }
 
 /// The delay of an angle against the gyros and accelerometers, if it is one; both in s.
 fn delay(channel: &'static str, value: f64, std: f64, step_s: f64) -> Option<Finding> {
     (value.abs() > (SIGNIFICANT * std).max(DELAY_SAMPLES * step_s)).then(|| Finding {
         channel,
+        what: What::Late { late_s: value, std_s: std },
         sentence: format!(
             "{channel} comes {:.0} ± {:.0} ms {} against the gyros and the accelerometers: check its delay and filter",
             1e3 * value.abs(),
@@ -83,6 +145,7 @@ fn late_in_still_air<const C: usize, const D: usize>(
     let best = best_moved(time_s, step_s, fitted).filter(|best| best.left < CONFIRMED)?;
     Some(vec![Finding {
         channel,
+        what: What::Late { late_s: best.late_s, std_s: of.std[C - 1] },
         sentence: format!(
             "{channel} comes about {:.0} ms late against the gyros and the accelerometers: check its delay and filter",
             1e3 * best.late_s
@@ -112,6 +175,7 @@ pub(super) fn reason<M: Motion<N, R>, const N: usize, const R: usize>(
         found.extend(with(&reactions::LATERAL, &|channels| reactions::lateral(channels, chord, &surfaces)));
     }
     found.extend(surfaces.iter().filter_map(|surface| reactions::surface(surface, task.prepared.hold)));
+    blame_gyros(&mut found);
     if found.is_empty() {
         return None;
     }
@@ -128,4 +192,36 @@ pub(super) fn reason<M: Motion<N, R>, const N: usize, const R: usize>(
             sentences.join("; ").trim_end_matches('.')
         ),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn late(channel: &'static str, late_s: f64, std_s: f64) -> Finding {
+        Finding { channel, what: What::Late { late_s, std_s }, sentence: channel.to_owned() }
+    }
+
+    #[test]
+    fn a_gyro_is_late_where_its_angle_and_its_surface_are_early_by_as_much() {
+        let factor = || Finding { channel: "q", what: What::Factor, sentence: "a factor".to_owned() };
+        let mut found = vec![factor(), late("alpha", -0.087, 0.003), late("elevator", -0.08, 0.0005)];
+        blame_gyros(&mut found);
+        let [Finding { channel: "q", what: What::Late { late_s, .. }, sentence }] = found.as_slice() else { panic!() };
+        assert!((late_s - 0.08).abs() < 1e-12 && sentence.starts_with("q was recorded about 80 ms late"), "{sentence}");
+        // Early by other times, one of them late, or one alone.
+        for other in [late("elevator", -0.04, 0.0005), late("elevator", 0.08, 0.0005), late("aileron", -0.08, 0.0005)] {
+            let mut found = vec![factor(), late("alpha", -0.087, 0.003), other];
+            blame_gyros(&mut found);
+            assert_eq!(found.len(), 3);
+            assert!(found.iter().all(|f| !f.sentence.contains("about")));
+        }
+    }
+
+    #[test]
+    fn a_factor_that_is_hardly_known_is_no_scale() {
+        assert!(is_off(0.9, 0.01) && is_off(1.3, 0.04) && is_off(0.3, 0.01));
+        // Gusts that a noisy vane hardly shows.
+        assert!(!is_off(0.29, 0.14) && !is_off(0.19, 0.055) && !is_off(1.02, 0.001));
+    }
 }

@@ -7,7 +7,7 @@
 
 use phugoid_flight_data::statistics::median;
 
-use super::Finding;
+use super::{Finding, What};
 use crate::model_file::InputHold;
 use crate::preparation::reaction::delay::SurfaceDelay;
 use crate::preparation::windows::SIGNIFICANT;
@@ -22,6 +22,10 @@ pub(super) const LATERAL: [&str; 7] = ["true_airspeed", "beta", "p", "r", "ailer
 
 /// Smallest delay of a surface that is reported, samples.
 const SURFACE_SAMPLES: f64 = 1.5;
+/// A surface that is recorded earlier or later than this, s, is none that a recorder makes: where an autopilot holds the aircraft in
+/// gusts the surface follows the motion, and the moment equation finds 0.26 to 0.5 s; a gyro that stood still for seconds makes one.
+const EARLIEST_S: f64 = 0.2;
+const LATEST_S: f64 = 0.6;
 /// Smallest delay of a flow angle that is reported, samples.
 const FLOW_SAMPLES: f64 = 1.0;
 /// Chords that a flow angle may be ahead of the force: a boom meets a gust before the wing does, and lift takes some chords
@@ -33,8 +37,10 @@ pub(super) fn surface(found: &SurfaceDelay, hold: InputHold) -> Option<Finding> 
     let SurfaceDelay { name, late_s, std_s, step_s } = *found;
     // Straight lines between the samples of a held input are half a sample early.
     let late_s = if hold == InputHold::Held { late_s + 0.5 * step_s } else { late_s };
-    (late_s.abs() > (SIGNIFICANT * std_s).max(SURFACE_SAMPLES * step_s)).then(|| Finding {
+    let is_credible = (-EARLIEST_S..LATEST_S).contains(&late_s);
+    (is_credible && late_s.abs() > (SIGNIFICANT * std_s).max(SURFACE_SAMPLES * step_s)).then(|| Finding {
         channel: name,
+        what: What::Late { late_s, std_s },
         sentence: format!(
             "the {name} was recorded {:.0} ± {:.0} ms {} (two sigma), by when the aircraft reacts to it: check its time \
              stamps and filter{}",
@@ -51,6 +57,7 @@ fn flow_angle(name: &'static str, delay: Delay, step_s: f64, ahead_s: f64) -> Op
     let least = if late > 0.0 { FLOW_SAMPLES * step_s } else { ahead_s.max(FLOW_SAMPLES * step_s) };
     (late.abs() > (SIGNIFICANT * std).max(least)).then(|| Finding {
         channel: name,
+        what: What::Late { late_s: late, std_s: std },
         sentence: format!(
             "{name} was recorded {:.0} ± {:.0} ms {} (two sigma), by the force that it makes in gusts: check its delay and \
              filter{}",
@@ -80,8 +87,10 @@ fn vane<const C: usize>(
     else {
         return found;
     };
+    let std_s = short.map_or(force.step_s, |short| short.std_s);
     Some(Finding {
         channel: name,
+        what: What::Late { late_s, std_s },
         sentence: format!(
             "{name} was recorded about {:.0} ms late, by the force that it makes in gusts: check its delay and filter",
             1e3 * late_s

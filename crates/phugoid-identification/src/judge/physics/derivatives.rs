@@ -256,6 +256,20 @@ const SIGNS: [Sign; 8] = [
     },
 ];
 
+/// Whether a value (with one sigma) of a term that is one variable alone has a sign that does not hang on how a surface counts, and
+/// that no aeroplane has.
+pub(crate) fn is_mirrored(role: &Role, value: f64, std_error: f64) -> bool {
+    let Role::Term(coefficient, term) = role else { return false };
+    let is_surface = |v: Variable| matches!(v, Variable::Elevator | Variable::Aileron | Variable::Rudder);
+    let of = |sign: &&Sign| {
+        sign.coefficient == *coefficient && !is_surface(sign.variable) && term.single() == Some(sign.variable.index())
+    };
+    SIGNS.iter().find(of).is_some_and(|sign| {
+        let wrong = if sign.positive { -value } else { value };
+        wrong - SIGNIFICANT * std_error > sign.least
+    })
+}
+
 /// Signs that aeroplanes do not have. Bounds of the model file on the other side of zero say that this one has it.
 pub(super) fn signs(derivatives: &Derivatives, flown: &Flown) -> Vec<VerdictReason> {
     let attached = flown.largest_alpha.is_none_or(|alpha| alpha < ATTACHED);

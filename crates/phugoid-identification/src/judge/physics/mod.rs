@@ -21,6 +21,7 @@ use crate::methods::Task;
 use crate::motion::Motion;
 use aircraft::Body;
 use derivatives::Derivatives;
+pub(crate) use derivatives::is_mirrored;
 use flown::Flown;
 
 /// All checks on one result. The estimates are asked only where something moved.
