@@ -9,11 +9,12 @@ use phugoid_flight_dynamics::linearize::{LinearModel, linearize};
 use phugoid_flight_dynamics::motion::Disturbance;
 use phugoid_flight_dynamics::simulate::{CommandHold, Instant, SimulationError, Stepper, TrajectorySample};
 use phugoid_flight_dynamics::trim::Trim;
+use phugoid_flight_dynamics::von_karman::VonKarman;
 
 use crate::damaged::{Damaged, Effects};
 use crate::flight::FlightError;
 use crate::manoeuvre::Surface;
-use crate::scenario::{FailureKind, Scenario, ScenarioError};
+use crate::scenario::{FailureKind, Scenario, ScenarioError, Spectrum};
 
 /// Integration steps per sample: the half sample keeps the truncation error of the fastest actuator mode far below any
 /// sensor's noise.
@@ -304,12 +305,22 @@ fn turbulence(scenario: &Scenario, span: f64, samples: usize) -> Result<Vec<AirM
     let field = settings.field(scenario.condition.altitude.si());
     // A stream of its own: with and without turbulence the sensors have the same noise.
     let seed = scenario.seed ^ 0x0064_7279_6465_6e00;
-    let mut dryden = Dryden::new(field, scenario.condition.speed.si(), span, stage_time(scenario), seed)?;
-    let sample = || {
-        let air = dryden.sample();
+    let (speed, stage) = (scenario.condition.speed.si(), stage_time(scenario));
+    let mut sample: Box<dyn FnMut() -> AirMotion> = match settings.spectrum {
+        Spectrum::Dryden => {
+            let mut dryden = Dryden::new(field, speed, span, stage, seed)?;
+            Box::new(move || dryden.sample())
+        }
+        Spectrum::VonKarman => {
+            let mut von_karman = VonKarman::new(field, speed, span, stage, seed)?;
+            Box::new(move || von_karman.sample())
+        }
+    };
+    let flown = || {
+        let air = sample();
         if settings.rates { air } else { AirMotion::from(air.velocity) }
     };
-    Ok(std::iter::repeat_with(sample).take(2 * SUBSTEPS * samples).collect())
+    Ok(std::iter::repeat_with(flown).take(2 * SUBSTEPS * samples).collect())
 }
 
 /// Damage as changes at instants (s): one that takes its time changes at every sample.

@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 use phugoid_flight_dynamics::increments::Increments;
 use serde::Deserialize;
 
-pub use self::air::{GustSettings, Turbulence};
+pub use self::air::{GustSettings, Spectrum, Turbulence};
 pub use self::aircraft::{AircraftSettings, Condition, DamageWord, ModelError, RecordedSurfaces, TableFactors, Thrust};
 pub use self::built_in::{BUILT_IN, built_in};
 pub use self::damage::Damage;
