@@ -10,11 +10,12 @@ use phugoid_flight_dynamics::motion::Disturbance;
 use phugoid_flight_dynamics::simulate::{CommandHold, Instant, SimulationError, Stepper, TrajectorySample};
 use phugoid_flight_dynamics::trim::Trim;
 use phugoid_flight_dynamics::von_karman::VonKarman;
+use phugoid_flight_dynamics::wind::WindProfile;
 
 use crate::damaged::{Damaged, Effects};
 use crate::flight::FlightError;
 use crate::manoeuvre::Surface;
-use crate::scenario::{FailureKind, Scenario, ScenarioError, Spectrum};
+use crate::scenario::{FailureKind, Scenario, ScenarioError, Spectrum, Wind};
 
 /// Integration steps per sample: the half sample keeps the truncation error of the fastest actuator mode far below any
 /// sensor's noise.
@@ -45,7 +46,7 @@ impl<'a, A> Change<'a, A> {
     }
 }
 
-/// The flight of a scenario from its trim on, with its gusts, turbulence, damage and failures; who holds it gives the commands.
+/// The flight of a scenario from its trim on, with its wind, gusts, turbulence, damage and failures; who holds it gives the commands.
 ///
 /// ```
 /// use phugoid_simulation::course::Course;
@@ -71,6 +72,7 @@ pub struct Course<'a, A> {
     trim: Trim,
     stepper: Stepper,
     increments: IncrementSchedule,
+    wind: WindProfile,
     gusts: Vec<Gust>,
     /// At every stage of the integration.
     turbulence: Vec<AirMotion>,
@@ -102,9 +104,12 @@ impl<'a, A: Aircraft> Course<'a, A> {
             .map(|(time, increments)| IncrementChange { time, increments: about(&increments) });
         let increments = IncrementSchedule::new(std::iter::once(start).chain(changes).collect())
             .map_err(|e| ScenarioError::OutOfRange { place: scenario.name.clone(), message: e.to_string() })?;
+        let wind = scenario.wind.as_ref().map_or_else(|| Ok(WindProfile::default()), Wind::profile);
+        let wind = wind.map_err(|message| ScenarioError::OutOfRange { place: scenario.name.clone(), message })?;
         let controls = trim.controls();
         let stepper = Stepper::new(trim.state(), controls, sample_time, SUBSTEPS, CommandHold::Sample)
-            .with_actuators(scenario.aircraft.actuators);
+            .with_actuators(scenario.aircraft.actuators)
+            .with_wind(wind.clone());
         let gust = |g: &crate::scenario::GustSettings| Gust {
             axis: g.axis,
             amplitude: g.amplitude.si(),
@@ -120,6 +125,7 @@ impl<'a, A: Aircraft> Course<'a, A> {
             stepper,
             increments,
             gusts: scenario.gust.iter().map(gust).collect(),
+            wind,
             turbulence: turbulence(scenario, aircraft.geometry().span, scenario.samples())?,
             positions: [controls.elevator, controls.aileron, controls.rudder],
             failed: vec![None; scenario.failure.len()],
@@ -160,7 +166,7 @@ impl<'a, A: Aircraft> Course<'a, A> {
     /// Flies one sample with these commands.
     ///
     /// # Errors
-    /// [`SimulationError::NotFinite`] when the motion diverges; the flight is then over.
+    /// [`SimulationError`]: the motion diverges, or the aircraft leaves its atmosphere; the flight is then over.
     pub fn advance(&mut self, commands: Controls) -> Result<(), SimulationError> {
         let told = self.told(commands);
         self.positions = if self.scenario.aircraft.actuators {
@@ -186,7 +192,8 @@ impl<'a, A: Aircraft> Course<'a, A> {
 
     /// The linear model of the aircraft as it is now, with its damage, about this state and these surface positions.
     pub fn linear_model(&self, state: &State, surfaces: &Controls) -> LinearModel {
-        let disturbance = Disturbance { increments: self.increments(), ..Disturbance::default() };
+        let wind = self.wind.at(state.altitude);
+        let disturbance = Disturbance { wind, increments: self.increments(), ..Disturbance::default() };
         if self.alters {
             linearize(&self.damaged(), state, surfaces, &disturbance)
         } else {
