@@ -144,7 +144,8 @@ mod tests {
         ] {
             assert!((low / high - 1.0).abs() < 2e-9, "{low} {high}");
         }
-        let decay = (-9.80665 * (19_999.0 - 11_000.0) / (8314.32 / 28.9644 * 216.65) as f64).exp();
+        let scale: f64 = 8314.32 / 28.9644 * 216.65 / 9.80665;
+        let decay = (-(19_999.0 - 11_000.0) / scale).exp();
         assert!((Atmosphere::Standard.at(19_999.0).pressure / (22_632.064 * decay) - 1.0).abs() < 1e-14);
     }
 

@@ -95,7 +95,7 @@ fn velocity(from: Angle, speed: Speed, place: &str) -> Result<[f64; 2], String> 
     let key = |key: &str| if place.ends_with('.') { format!("`{place}{key}`") } else { format!("{place}`{key}`") };
     let (from, speed) = (from.si(), speed.si());
     if !(0.0..=TURN).contains(&from) {
-        let degrees = from.to_degrees();
+        let degrees = short(from.to_degrees());
         return Err(format!(
             "{} is {degrees} deg: write the direction that the wind comes from, clockwise from north, 0 to 360 deg",
             key("from")
@@ -103,10 +103,16 @@ fn velocity(from: Angle, speed: Speed, place: &str) -> Result<[f64; 2], String> 
     }
     if !(speed >= 0.0 && speed.is_finite()) {
         return Err(format!(
-            "{} is {speed} m/s: a speed is not negative; turn `from` by 180 deg for the opposite wind",
-            key("speed")
+            "{} is {} m/s: a speed is not negative; turn `from` by 180 deg for the opposite wind",
+            key("speed"),
+            short(speed)
         ));
     }
     let (sin, cos) = from.sin_cos();
     Ok([-speed * cos, -speed * sin])
+}
+
+/// Without the digits that a conversion of units leaves at the end.
+fn short(value: f64) -> f64 {
+    (value * 1e6).round() / 1e6
 }

@@ -285,7 +285,7 @@ fn winds_that_cannot_be_are_refused_by_their_keys() {
         (two("100 m", "100 m"), "entry 2 of `wind.aloft` is at 100 m, not above"),
         (two("2000 m", "100 m"), "from the lowest to the highest"),
         (level("0 m", "1 deg", "2 m/s") + &level("9 m", "400 deg", "2 m/s"), "entry 2 of `wind.aloft`: `from` is 400"),
-        (level("0 m", "1 deg", "-2 m/s"), "entry 1 of `wind.aloft`: `speed` is -2 m/s"),
+        (level("0 m", "1 deg", "-45 kt"), "entry 1 of `wind.aloft`: `speed` is -23.15 m/s:"),
         (level("0 furlongs", "1 deg", "2 m/s"), "furlongs"),
         ("[[wind.aloft]]\naltitude = \"0 m\"\nfrom = \"1 deg\"\n".to_owned(), "missing field `speed`"),
     ] {
