@@ -9,7 +9,8 @@ pub const STATES: usize = 13;
 /// Rigid-body and engine state of an aircraft over a flat earth. Also used for the rates (each per second).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct State<T = f64> {
-    /// Speed of the centre of gravity relative to the undisturbed air, m/s (true airspeed without gusts).
+    /// Speed of the centre of gravity relative to the undisturbed air, which moves with the wind, m/s (true airspeed without
+    /// gusts).
     pub speed: T,
     /// Angle of attack, rad: between body x and the velocity in the plane of symmetry, positive nose up.
     pub alpha: T,

@@ -10,8 +10,9 @@ pub enum Atmosphere {
     /// `a = sqrt(1.4 * 1716.3 T)`, `p = 1715 rho T`.
     #[default]
     Book,
-    /// U.S. Standard Atmosphere 1976: troposphere to 11 km and the isothermal layer above it, meant to 20 km. Altitude
-    /// is taken as geopotential, which is what a flat earth with constant gravity has.
+    /// U.S. Standard Atmosphere 1976 up to its end at 86 km ([`ceiling`](Self::ceiling)). Altitude is taken as geopotential,
+    /// which is what a flat earth with constant gravity has. [`standard_atmosphere`](crate::standard_atmosphere) is the same
+    /// over geometric altitude.
     Standard,
 }
 
@@ -29,7 +30,19 @@ pub struct Air<T = f64> {
 }
 
 impl Atmosphere {
-    /// The air at an altitude above sea level in m (positive up).
+    /// Altitude, m, at which the model ends: 84,852 m of geopotential altitude, which are 86 km, of the standard; 43,357 m of the
+    /// book, where its density is zero, while its temperature is meant for some 25 km at most. Above it [`at`](Self::at) gives
+    /// numbers that are no part of the model, and NaN for the book; flights and trims refuse.
+    pub fn ceiling(self) -> f64 {
+        match self {
+            Self::Book => FOOT / 0.703e-5,
+            Self::Standard => crate::standard_atmosphere::TOP,
+        }
+    }
+
+    /// The air at an altitude above sea level in m (positive up). NaN gives NaN.
+    ///
+    /// The standard's pressure at 11 km is rounded to eight digits up to 20 km, so that it falls by 1e-9 of itself there.
     ///
     /// ```
     /// use phugoid_flight_dynamics::atmosphere::Atmosphere;
@@ -72,6 +85,9 @@ fn book<T: Scalar>(altitude: T) -> Air<T> {
 
 #[inline]
 fn standard<T: Scalar>(altitude: T) -> Air<T> {
+    if altitude.real() >= crate::standard_atmosphere::STRATOSPHERE {
+        return crate::standard_atmosphere::at_geopotential_altitude(altitude);
+    }
     // U.S. Standard Atmosphere 1976, tables 2 and 4.
     const GAS: f64 = 8314.32 / 28.9644;
     const LAPSE: f64 = 0.0065;
@@ -102,13 +118,47 @@ mod tests {
     use crate::scalar::Dual;
 
     /// U.S. Standard Atmosphere 1976, table I (geopotential metres): T, p, rho, a.
-    const TABLE: [(f64, f64, f64, f64, f64); 5] = [
+    const TABLE: [(f64, f64, f64, f64, f64); 11] = [
         (0.0, 288.150, 101_325.0, 1.2250, 340.294),
         (5_000.0, 255.650, 54_019.9, 0.736_116, 320.529),
         (10_000.0, 223.150, 26_436.3, 0.412_707, 299.463),
         (11_000.0, 216.650, 22_632.1, 0.363_918, 295.070),
         (20_000.0, 216.650, 5_474.89, 0.088_035, 295.070),
+        (32_000.0, 228.650, 868.019, 0.013_225, 303.131),
+        (40_000.0, 251.050, 277.521, 3.850_99e-3, 317.633),
+        (47_000.0, 270.650, 110.906, 1.427_53e-3, 329.799),
+        (51_000.0, 270.650, 66.9389, 8.616_06e-4, 329.799),
+        (60_000.0, 245.450, 20.3143, 2.883_21e-4, 314.070),
+        (71_000.0, 214.650, 3.956_42, 6.421_10e-5, 293.704),
     ];
+
+    /// Up to 20 km nothing has changed since flights were first recorded: the digits are those of the formula written out.
+    #[test]
+    fn the_layers_join_at_20_km() {
+        let (below, above) = (Atmosphere::Standard.at(20_000.0 - 1e-9), Atmosphere::Standard.at(20_000.0));
+        for (low, high) in [
+            (below.pressure, above.pressure),
+            (below.density, above.density),
+            (below.temperature, above.temperature),
+            (below.speed_of_sound, above.speed_of_sound),
+        ] {
+            assert!((low / high - 1.0).abs() < 2e-9, "{low} {high}");
+        }
+        let scale: f64 = 8314.32 / 28.9644 * 216.65 / 9.80665;
+        let decay = (-(19_999.0 - 11_000.0) / scale).exp();
+        assert!((Atmosphere::Standard.at(19_999.0).pressure / (22_632.064 * decay) - 1.0).abs() < 1e-14);
+    }
+
+    #[test]
+    fn ceilings_are_where_the_models_end() {
+        let top = Atmosphere::Standard.ceiling();
+        let air = Atmosphere::Standard.at(top);
+        // Table I at 86 km of geometric altitude.
+        assert!((air.temperature - 186.87).abs() < 0.01 && (air.pressure / 0.373_38 - 1.0).abs() < 1e-4, "{air:?}");
+        let book = Atmosphere::Book.ceiling();
+        assert!(Atmosphere::Book.at(book - 1.0).density > 0.0 && Atmosphere::Book.at(book + 1.0).density.is_nan());
+        assert!(Atmosphere::Standard.at(f64::NAN).density.is_nan());
+    }
 
     #[test]
     fn standard_atmosphere_matches_its_table() {
@@ -143,7 +193,7 @@ mod tests {
     #[test]
     fn derivatives_are_those_of_the_values() {
         for atmosphere in [Atmosphere::Book, Atmosphere::Standard] {
-            for h in [1_000.0, 6_096.0, 13_000.0] {
+            for h in [1_000.0, 6_096.0, 13_000.0, 25_000.0] {
                 let exact = atmosphere.at(Dual::<1>::variable(h, 0)).density.derivatives[0];
                 let (up, down) = (atmosphere.at(h + 1.0).density, atmosphere.at(h - 1.0).density);
                 assert!((exact - 0.5 * (up - down)).abs() < 1e-11, "{atmosphere:?} {h}");

@@ -27,7 +27,8 @@ use rand_pcg::Pcg64Mcg;
 
 use crate::gust::AirMotion;
 
-const FOOT: f64 = 0.3048;
+/// Metres per foot, exact.
+pub(crate) const FOOT: f64 = 0.3048;
 
 /// How often the intensity of turbulence at medium and high altitude is exceeded: the three of MIL-F-8785C, 3.7.3.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -159,9 +160,9 @@ pub struct Dryden {
     roll: Filter<1>,
 }
 
-/// A field that cannot be sampled.
+/// A field that cannot be sampled, of Dryden or of von Karman.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-#[error("Dryden turbulence: {what} is {value}, expected {expected}")]
+#[error("turbulence: {what} is {value}, expected {expected}")]
 pub struct DrydenError {
     /// What is out of range.
     pub what: &'static str,
@@ -395,7 +396,7 @@ mod tests {
     fn numbers_out_of_range_are_named() {
         let field = DrydenField::of_sigma(1.0, 6096.0);
         let error = Dryden::new(field, 0.0, 9.0, 0.01, 1).map(|_| ()).unwrap_err();
-        assert_eq!(error.to_string(), "Dryden turbulence: the airspeed is 0, expected a positive, finite number");
+        assert_eq!(error.to_string(), "turbulence: the airspeed is 0, expected a positive, finite number");
         let negative = DrydenField { sigma: [1.0, -1.0, 1.0], ..field };
         assert!(Dryden::new(negative, 200.0, 9.0, 0.01, 1).is_err());
     }

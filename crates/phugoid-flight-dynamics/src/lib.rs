@@ -42,3 +42,4 @@ mod trigonometry;
 pub mod trim;
 #[cfg(feature = "std")]
 pub mod von_karman;
+pub mod wind;

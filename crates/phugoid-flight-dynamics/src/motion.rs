@@ -4,10 +4,13 @@ use crate::aircraft::{AirData, Aircraft, Coefficients, Controls, State};
 use crate::increments::{Increments, lift_drag_to_body};
 use crate::rigid_body::{Angles, attitude_equations, force_equations};
 use crate::scalar::Scalar;
+use crate::wind::LocalWind;
 
 /// What disturbs the flight. The default is nothing: still air and the database as it is.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Disturbance {
+    /// Steady wind: the motion of the undisturbed air over the ground.
+    pub wind: LocalWind,
     /// Velocity of the air in body axes, m/s, relative to the undisturbed air.
     pub gust: [f64; 3],
     /// Rotation of the air about the body axes, rad/s: the aerodynamics see `p`, `q`, `r` less these.
@@ -33,7 +36,9 @@ pub struct Motion<T = f64> {
 ///
 /// Force, moment, kinematic and navigation equations of Stevens & Lewis table 2.5-1 with the speed, angle of attack and
 /// sideslip as states (their equation 2.5-29; thesis 2.14 to 2.23). Speed, angle of attack and sideslip of the state
-/// belong to the velocity relative to the undisturbed air; the aerodynamics see the velocity relative to the gust.
+/// belong to the velocity relative to the undisturbed air; the aerodynamics see the velocity relative to the gust. The
+/// undisturbed air moves with the wind: it carries the aircraft over the ground, and where it changes with altitude the
+/// aircraft is accelerated relative to it ([`wind`](crate::wind)), which no accelerometer feels.
 ///
 /// Singular, with results that are not finite, at zero speed, at 90 deg of pitch, and at 90 deg of sideslip.
 ///
@@ -71,6 +76,9 @@ pub fn motion<T: Scalar, A: Aircraft>(
     // Body-axis velocity relative to the undisturbed air.
     let velocity = angles.body_velocity(speed);
     let [u, v, w] = velocity;
+    let climbing = v * sin_phi + w * cos_phi;
+    let altitude_rate = u * sin_theta - climbing * cos_theta;
+    let sheared = disturbance.wind.is_sheared();
 
     // Motion relative to the air.
     let local_air = aircraft.atmosphere().at(altitude);
@@ -133,9 +141,15 @@ pub fn motion<T: Scalar, A: Aircraft>(
             coefficients.cz * acceleration_scale + propulsion.force[2] * mass.inverse_mass(),
         ]
     };
+    // What accelerates the aircraft relative to the air: in a shear the air does as well.
+    let shear = sheared.then(|| shear_acceleration(&disturbance.wind, &angles, [sin_psi, cos_psi], altitude_rate));
+    let through_air = |felt: [T; 3]| match shear {
+        None => felt,
+        Some(shear) => [felt[0] + shear[0], felt[1] + shear[1], felt[2] + shear[2]],
+    };
     if let Some(slope) = aircraft.alpha_rate_coefficients(&air, air_rates, controls) {
         // alpha' = without + gain alpha': the forces are linear in the rate that they make.
-        let without = specific_force_of(&coefficients);
+        let without = through_air(specific_force_of(&coefficients));
         let [_, without, _] = force_equations(speed, &angles, velocity, [p, q, r], without, gravity);
         let gain = (cos_alpha * slope.cz - sin_alpha * slope.cx) * acceleration_scale / speed / angles.cos_beta;
         coefficients = coefficients.with(&slope, without / (T::from(1.0) - gain));
@@ -149,19 +163,23 @@ pub fn motion<T: Scalar, A: Aircraft>(
     ];
 
     let [speed_rate, alpha_rate, beta_rate] =
-        force_equations(speed, &angles, velocity, [p, q, r], specific_force, gravity);
+        force_equations(speed, &angles, velocity, [p, q, r], through_air(specific_force), gravity);
     let [phi_rate, theta_rate, psi_rate] = attitude_equations(&angles, [p, q, r]);
 
     // Moment equations.
     let [p_rate, q_rate, r_rate] = mass.angular_acceleration([p, q, r], moment);
 
     // Navigation equations: horizontal velocity along and across the heading, then turned to north and east.
-    let climbing = v * sin_phi + w * cos_phi;
     let along = u * cos_theta + climbing * sin_theta;
     let across = v * cos_phi - w * sin_phi;
     let north_rate = along * cos_psi - across * sin_psi;
     let east_rate = along * sin_psi + across * cos_psi;
-    let altitude_rate = u * sin_theta - climbing * cos_theta;
+    let (north_rate, east_rate) = if disturbance.wind == LocalWind::default() {
+        (north_rate, east_rate)
+    } else {
+        let [north, east] = disturbance.wind.at(altitude);
+        (north_rate + north, east_rate + east)
+    };
 
     let rates = State {
         speed: speed_rate,
@@ -179,4 +197,20 @@ pub fn motion<T: Scalar, A: Aircraft>(
         power: aircraft.power_rate(controls.throttle, power),
     };
     Motion { rates, air, specific_force, coefficients }
+}
+
+/// Acceleration of the aircraft relative to the air in body axes, m/s^2, because the air that it comes into moves
+/// differently: `-W'(h) h'`. Sine and cosine of the heading; rate of climb in m/s.
+fn shear_acceleration<T: Scalar>(
+    wind: &LocalWind,
+    angles: &Angles<T>,
+    [sin_psi, cos_psi]: [T; 2],
+    altitude_rate: T,
+) -> [T; 3] {
+    let &Angles { sin_phi, cos_phi, sin_theta, cos_theta, .. } = angles;
+    let [north, east] = wind.shear.map(|shear| altitude_rate * -shear);
+    // Along and across the heading, then to body axes.
+    let along = north * cos_psi + east * sin_psi;
+    let across = east * cos_psi - north * sin_psi;
+    [along * cos_theta, along * sin_theta * sin_phi + across * cos_phi, along * sin_theta * cos_phi - across * sin_phi]
 }

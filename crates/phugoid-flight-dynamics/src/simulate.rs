@@ -92,6 +92,10 @@ pub struct TrajectorySample {
     pub propulsive_force: [f64; 3],
     /// Aerodynamic coefficients with the increments in force, body axes, about the centre of gravity.
     pub coefficients: Coefficients,
+    /// Steady wind at the altitude of the aircraft, towards north and east, m/s; gusts are not in it.
+    pub wind: [f64; 2],
+    /// Velocity over the ground towards north, east and down, m/s.
+    pub ground_velocity: [f64; 3],
     /// Mass of the aircraft, kg.
     pub mass: f64,
     /// Fuel that is left, kg; none for an aircraft whose mass stays as it is.
@@ -140,6 +144,19 @@ pub enum SimulationError {
         time: f64,
         /// True airspeed one sample earlier, m/s.
         last_speed: f64,
+    },
+    /// The aircraft has left the atmosphere that its data assume ([`Atmosphere::ceiling`](crate::atmosphere::Atmosphere::ceiling)).
+    #[error(
+        "at {time} s the aircraft is at {altitude:.0} m, above {ceiling:.0} m, where its model of the atmosphere ends: end \
+         the flight before, or fly lower"
+    )]
+    AboveTheAir {
+        /// End of the sample in which it happened, s.
+        time: f64,
+        /// Altitude above sea level then, m.
+        altitude: f64,
+        /// Highest altitude of the model, m.
+        ceiling: f64,
     },
 }
 

@@ -27,8 +27,11 @@ const LAYERS: [[f64; 4]; 7] = [
     [71_000.0, 214.65, -0.002, 3.956_420_428_040_73],
 ];
 
+/// Geopotential altitude, m, of the lower edge of the layer in which the temperature rises.
+pub(crate) const STRATOSPHERE: f64 = LAYERS[2][0];
+
 /// Geopotential altitude of 86 km, m.
-const TOP: f64 = 84_852.045_844_905_75;
+pub(crate) const TOP: f64 = 84_852.045_844_905_75;
 
 /// Molecular mass over that at sea level from 80 to 86 km in steps of 0.5 km (table 8 of the standard).
 const MOLECULAR_MASS: [f64; 13] = [
@@ -61,7 +64,19 @@ pub fn geopotential_altitude<T: Scalar>(altitude: T) -> T {
 /// ```
 #[inline]
 pub fn standard_atmosphere<T: Scalar>(altitude: T) -> Air<T> {
-    let height = geopotential_altitude(altitude);
+    layers(geopotential_altitude(altitude), altitude.real())
+}
+
+/// As [`standard_atmosphere`], at a geopotential altitude in m.
+#[inline]
+pub(crate) fn at_geopotential_altitude<T: Scalar>(height: T) -> Air<T> {
+    let real = height.real();
+    layers(height, real * EARTH_RADIUS / (EARTH_RADIUS - real))
+}
+
+/// The air at a geopotential altitude, m. The geometric one, m, decides on the molecular mass.
+#[inline]
+fn layers<T: Scalar>(height: T, geometric: f64) -> Air<T> {
     let real = height.real();
     if real > TOP {
         let [base, temperature, gradient, pressure] = LAYERS[6];
@@ -84,7 +99,7 @@ pub fn standard_atmosphere<T: Scalar>(altitude: T) -> Air<T> {
     } else {
         (temperature / base_temperature).powf(-GRAVITY / (GAS * gradient)) * base_pressure
     };
-    air(temperature, pressure, molecular_mass(altitude.real()))
+    air(temperature, pressure, molecular_mass(geometric))
 }
 
 /// Molecular mass over that at sea level, linear between the entries of table 8.

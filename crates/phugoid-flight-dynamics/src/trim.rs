@@ -66,7 +66,7 @@ const EQUATIONS: [&str; UNKNOWNS] = [
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn trim<A: Aircraft>(aircraft: &A, condition: &TrimCondition) -> Result<Trim, TrimError> {
-    check(condition)?;
+    check(condition, aircraft.atmosphere())?;
     within_tables(aircraft, condition)?;
     let problem = Problem::new(aircraft, condition);
     let mut mildest: Option<(f64, TrimError)> = None;

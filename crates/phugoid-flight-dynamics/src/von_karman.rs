@@ -23,7 +23,7 @@ use nalgebra::{DMatrix, SMatrix};
 use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
 
-use crate::dryden::{DrydenError, DrydenField, Filter, check, lag, roll_gain};
+use crate::dryden::{DrydenError, DrydenField, FOOT, Filter, Intensity, check, lag, roll_gain};
 use crate::gust::AirMotion;
 
 /// Numerator and denominator of the filter along x in powers of `tau s`.
@@ -31,13 +31,48 @@ const ALONG: ([f64; 2], [f64; 3]) = ([1.0, 0.25], [1.0, 1.357, 0.1987]);
 /// The same across the flight path.
 const ACROSS: ([f64; 3], [f64; 4]) = ([1.0, 2.7478, 0.3398], [1.0, 2.9958, 1.9754, 0.1539]);
 
+/// The standard's field of an intensity at a height above the ground (m), for the spectra of von Karman.
+///
+/// Root mean squares (m/s) are those of [`DrydenField::standard`], and below 1000 ft the scale lengths too. Above 2000 ft the scale
+/// is 2500 ft in place of 1750 ft (MIL-F-8785C, 3.7.2.1), which lets the two spectra meet at high frequency; between them it
+/// is linear in the height. A height that is NaN gives a field that [`VonKarman::new`] refuses.
+///
+/// ```
+/// use phugoid_flight_dynamics::dryden::Intensity;
+/// use phugoid_flight_dynamics::von_karman::standard_field;
+/// let field = standard_field(Intensity::Moderate, 6096.0);
+/// assert_eq!(field.scale_length, [762.0; 3]); // m
+/// ```
+pub fn standard_field(intensity: Intensity, height: f64) -> DrydenField {
+    with_scale(DrydenField::standard(intensity, height), height)
+}
+
+/// A field whose vertical gust has this root mean square (m/s), for the spectra of von Karman: scale lengths as
+/// [`standard_field`], proportions as [`DrydenField::of_sigma`], at the height (m).
+pub fn field_of_sigma(sigma: f64, height: f64) -> DrydenField {
+    with_scale(DrydenField::of_sigma(sigma, height), height)
+}
+
+/// The field with the scale lengths of von Karman's spectra. At 1000 ft all three are 1000 ft in the standard.
+fn with_scale(field: DrydenField, height: f64) -> DrydenField {
+    const LOW: f64 = 1000.0 * FOOT;
+    const HIGH: f64 = 2000.0 * FOOT;
+    const SCALE_HIGH: f64 = 2500.0 * FOOT;
+    if height < LOW {
+        return field;
+    }
+    let part = (height - LOW) / (HIGH - LOW);
+    let scale = if part > 1.0 { SCALE_HIGH } else { LOW + part * (SCALE_HIGH - LOW) };
+    DrydenField { scale_length: [scale; 3], ..field }
+}
+
 /// Turbulence along a flight path, one call of [`VonKarman::sample`] per sample time.
 ///
 /// ```
-/// use phugoid_flight_dynamics::dryden::{DrydenField, Intensity};
-/// use phugoid_flight_dynamics::von_karman::VonKarman;
+/// use phugoid_flight_dynamics::dryden::Intensity;
+/// use phugoid_flight_dynamics::von_karman::{VonKarman, standard_field};
 ///
-/// let field = DrydenField::standard(Intensity::Moderate, 6096.0);
+/// let field = standard_field(Intensity::Moderate, 6096.0);
 /// let mut air = VonKarman::new(field, 205.74, 9.144, 0.01, 7)?;
 /// let gust = air.sample().velocity;
 /// assert!(gust.iter().all(|v| v.abs() < 6.0 * 2.3));
@@ -54,8 +89,8 @@ pub struct VonKarman {
 
 impl VonKarman {
     /// Turbulence met at a constant airspeed (m/s) by an aircraft of this wing span (m), sampled every `sample_time` (s).
-    /// Scale lengths are those of MIL-F-8785C, which for high altitude gives 2500 ft in place of Dryden's 1750 ft; a
-    /// [`DrydenField`] is taken as it is.
+    /// The field is taken as it is; [`standard_field`] and [`field_of_sigma`] have the scale lengths of these spectra. The same
+    /// seed gives the same gusts on every machine.
     ///
     /// # Errors
     /// [`DrydenError`] names the number that is out of range.
@@ -198,6 +233,21 @@ mod tests {
         }
         // Up to 20 V/L, which is 1.2 Hz for a scale length of 533 m and 200 m/s.
         assert!(along < 0.10 && across < 0.05, "{along} {across}");
+    }
+
+    #[test]
+    fn scale_lengths_are_those_of_the_standard() {
+        let at = |feet: f64| standard_field(Intensity::Severe, feet * FOOT);
+        // Low-altitude model at 200 ft, as for Dryden: 200/(0.177 + 0.1646)^1.2 = 725.8 ft along and across, 200 ft up.
+        assert_eq!(at(200.0), DrydenField::standard(Intensity::Severe, 200.0 * FOOT));
+        assert!((at(200.0).scale_length[0] / FOOT - 725.8).abs() < 0.05);
+        for (feet, scale) in [(1000.0, 1000.0), (1500.0, 1750.0), (2000.0, 2500.0), (60_000.0, 2500.0)] {
+            let field = at(feet);
+            assert!(field.scale_length.iter().all(|l| (l / FOOT - scale).abs() < 1e-9), "{feet}: {field:?}");
+            assert_eq!(field.sigma, DrydenField::standard(Intensity::Severe, feet * FOOT).sigma);
+        }
+        assert_eq!(field_of_sigma(2.0, 6096.0), DrydenField { scale_length: [762.0; 3], sigma: [2.0; 3] });
+        assert!(VonKarman::new(standard_field(Intensity::Light, f64::NAN), 200.0, 9.0, 0.01, 1).is_err());
     }
 
     #[test]

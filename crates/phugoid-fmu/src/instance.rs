@@ -490,7 +490,8 @@ impl Instance {
             return rates;
         }
         let Point { state, controls, air, increments, .. } = self.point;
-        let disturbance = Disturbance { gust: air.velocity, gust_rates: air.rates, increments };
+        let disturbance =
+            Disturbance { gust: air.velocity, gust_rates: air.rates, increments, ..Disturbance::default() };
         let rates = motion(self.resources.aircraft.as_ref(), &state, &controls, &disturbance).rates;
         self.rates = Some(rates);
         rates

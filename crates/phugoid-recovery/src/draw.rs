@@ -7,7 +7,7 @@ use phugoid_flight_dynamics::trim::Trim;
 use phugoid_simulation::equivalent::derivatives;
 use phugoid_simulation::manoeuvre::Surface;
 use phugoid_simulation::quantity::{Angle, AngularRate, Frequency, Length, Speed, Time};
-use phugoid_simulation::scenario::{Damage, Failure, FailureKind, Scenario, Turbulence};
+use phugoid_simulation::scenario::{Damage, Failure, FailureKind, Scenario, Spectrum, Turbulence};
 use rand::{RngExt, SeedableRng};
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
@@ -139,8 +139,12 @@ pub fn damaged<A: Aircraft>(base: &Scenario, aircraft: &A, trim: &Trim, classes:
     let words: Vec<&str> = classes.iter().map(|class| class.word()).collect();
     scenario.name = format!("{} (seed {seed})", words.join(" and "));
     let healthy = derivatives(aircraft, trim);
-    scenario.turbulence =
-        Some(Turbulence { intensity: None, sigma: Some(Speed::from_si(draw.between(0.0, 2.2))), rates: false });
+    scenario.turbulence = Some(Turbulence {
+        intensity: None,
+        spectrum: Spectrum::Dryden,
+        sigma: Some(Speed::from_si(draw.between(0.0, 2.2))),
+        rates: false,
+    });
     let sensors = &mut scenario.sensors;
     sensors.true_airspeed.scale_error_spread = 0.015;
     sensors.alpha.scale_error_spread = 0.03;

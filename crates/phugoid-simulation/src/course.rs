@@ -9,11 +9,13 @@ use phugoid_flight_dynamics::linearize::{LinearModel, linearize};
 use phugoid_flight_dynamics::motion::Disturbance;
 use phugoid_flight_dynamics::simulate::{CommandHold, Instant, SimulationError, Stepper, TrajectorySample};
 use phugoid_flight_dynamics::trim::Trim;
+use phugoid_flight_dynamics::von_karman::VonKarman;
+use phugoid_flight_dynamics::wind::WindProfile;
 
 use crate::damaged::{Damaged, Effects};
 use crate::flight::FlightError;
 use crate::manoeuvre::Surface;
-use crate::scenario::{FailureKind, Scenario, ScenarioError};
+use crate::scenario::{FailureKind, Scenario, ScenarioError, Spectrum, Wind};
 
 /// Integration steps per sample: the half sample keeps the truncation error of the fastest actuator mode far below any
 /// sensor's noise.
@@ -44,7 +46,7 @@ impl<'a, A> Change<'a, A> {
     }
 }
 
-/// The flight of a scenario from its trim on, with its gusts, turbulence, damage and failures; who holds it gives the commands.
+/// The flight of a scenario from its trim on, with its wind, gusts, turbulence, damage and failures; who holds it gives the commands.
 ///
 /// ```
 /// use phugoid_simulation::course::Course;
@@ -70,6 +72,7 @@ pub struct Course<'a, A> {
     trim: Trim,
     stepper: Stepper,
     increments: IncrementSchedule,
+    wind: WindProfile,
     gusts: Vec<Gust>,
     /// At every stage of the integration.
     turbulence: Vec<AirMotion>,
@@ -101,9 +104,12 @@ impl<'a, A: Aircraft> Course<'a, A> {
             .map(|(time, increments)| IncrementChange { time, increments: about(&increments) });
         let increments = IncrementSchedule::new(std::iter::once(start).chain(changes).collect())
             .map_err(|e| ScenarioError::OutOfRange { place: scenario.name.clone(), message: e.to_string() })?;
+        let wind = scenario.wind.as_ref().map_or_else(|| Ok(WindProfile::default()), Wind::profile);
+        let wind = wind.map_err(|message| ScenarioError::OutOfRange { place: scenario.name.clone(), message })?;
         let controls = trim.controls();
         let stepper = Stepper::new(trim.state(), controls, sample_time, SUBSTEPS, CommandHold::Sample)
-            .with_actuators(scenario.aircraft.actuators);
+            .with_actuators(scenario.aircraft.actuators)
+            .with_wind(wind.clone());
         let gust = |g: &crate::scenario::GustSettings| Gust {
             axis: g.axis,
             amplitude: g.amplitude.si(),
@@ -119,6 +125,7 @@ impl<'a, A: Aircraft> Course<'a, A> {
             stepper,
             increments,
             gusts: scenario.gust.iter().map(gust).collect(),
+            wind,
             turbulence: turbulence(scenario, aircraft.geometry().span, scenario.samples())?,
             positions: [controls.elevator, controls.aileron, controls.rudder],
             failed: vec![None; scenario.failure.len()],
@@ -159,7 +166,7 @@ impl<'a, A: Aircraft> Course<'a, A> {
     /// Flies one sample with these commands.
     ///
     /// # Errors
-    /// [`SimulationError::NotFinite`] when the motion diverges; the flight is then over.
+    /// [`SimulationError`]: the motion diverges, or the aircraft leaves its atmosphere; the flight is then over.
     pub fn advance(&mut self, commands: Controls) -> Result<(), SimulationError> {
         let told = self.told(commands);
         self.positions = if self.scenario.aircraft.actuators {
@@ -185,7 +192,8 @@ impl<'a, A: Aircraft> Course<'a, A> {
 
     /// The linear model of the aircraft as it is now, with its damage, about this state and these surface positions.
     pub fn linear_model(&self, state: &State, surfaces: &Controls) -> LinearModel {
-        let disturbance = Disturbance { increments: self.increments(), ..Disturbance::default() };
+        let wind = self.wind.at(state.altitude);
+        let disturbance = Disturbance { wind, increments: self.increments(), ..Disturbance::default() };
         if self.alters {
             linearize(&self.damaged(), state, surfaces, &disturbance)
         } else {
@@ -304,12 +312,22 @@ fn turbulence(scenario: &Scenario, span: f64, samples: usize) -> Result<Vec<AirM
     let field = settings.field(scenario.condition.altitude.si());
     // A stream of its own: with and without turbulence the sensors have the same noise.
     let seed = scenario.seed ^ 0x0064_7279_6465_6e00;
-    let mut dryden = Dryden::new(field, scenario.condition.speed.si(), span, stage_time(scenario), seed)?;
-    let sample = || {
-        let air = dryden.sample();
+    let (speed, stage) = (scenario.condition.speed.si(), stage_time(scenario));
+    let mut sample: Box<dyn FnMut() -> AirMotion> = match settings.spectrum {
+        Spectrum::Dryden => {
+            let mut dryden = Dryden::new(field, speed, span, stage, seed)?;
+            Box::new(move || dryden.sample())
+        }
+        Spectrum::VonKarman => {
+            let mut von_karman = VonKarman::new(field, speed, span, stage, seed)?;
+            Box::new(move || von_karman.sample())
+        }
+    };
+    let flown = || {
+        let air = sample();
         if settings.rates { air } else { AirMotion::from(air.velocity) }
     };
-    Ok(std::iter::repeat_with(sample).take(2 * SUBSTEPS * samples).collect())
+    Ok(std::iter::repeat_with(flown).take(2 * SUBSTEPS * samples).collect())
 }
 
 /// Damage as changes at instants (s): one that takes its time changes at every sample.

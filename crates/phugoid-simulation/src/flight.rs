@@ -22,7 +22,7 @@ use crate::equivalent::damage_increments;
 use crate::model_error::Misjudged;
 use crate::scenario::{ModelError, RecordedSurfaces, Scenario, ScenarioError, Thrust};
 use crate::sensing::{command_channel, measure};
-use crate::signals::{SIGNALS, Signal};
+use crate::signals::{OVER_THE_GROUND, SIGNALS, Signal};
 
 /// A flown scenario: what the sensors measured, what was true, and where the flight started.
 #[derive(Clone, Debug)]
@@ -376,6 +376,17 @@ fn true_record(scenario: &Scenario, trajectory: &Trajectory, thrust: impl Fn(&Tr
         let values = samples.iter().map(|sample| sample.mass).collect();
         channels.push(Channel { name: "mass".to_owned(), quantity: Quantity::Mass, values });
     }
+    // In still air the speed over the ground says nothing that the others do not, and records stay as they are.
+    let windy = scenario.wind.is_some();
+    let added = OVER_THE_GROUND.iter().filter(|(name, _)| match *name {
+        "ground_speed" => windy || scenario.sensors.ground_speed.is_some(),
+        _ => windy,
+    });
+    channels.extend(added.map(|(name, get)| Channel {
+        name: (*name).to_owned(),
+        quantity: Quantity::Speed,
+        values: samples.iter().map(get).collect(),
+    }));
     let quality = QualityReport {
         rows_read: samples.len(),
         rows_kept: samples.len(),

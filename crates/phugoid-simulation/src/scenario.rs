@@ -8,6 +8,7 @@ mod draw;
 mod failure;
 mod ranges;
 mod sensors;
+mod wind;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -15,13 +16,14 @@ use std::path::{Path, PathBuf};
 use phugoid_flight_dynamics::increments::Increments;
 use serde::Deserialize;
 
-pub use self::air::{GustSettings, Turbulence};
+pub use self::air::{GustSettings, Spectrum, Turbulence};
 pub use self::aircraft::{AircraftSettings, Condition, DamageWord, ModelError, RecordedSurfaces, TableFactors, Thrust};
 pub use self::built_in::{BUILT_IN, built_in};
 pub use self::damage::Damage;
 pub use self::failure::{Failure, FailureKind};
 pub use self::ranges::Ranges;
 pub use self::sensors::{Sensor, Sensors};
+pub use self::wind::{Aloft, Wind};
 use crate::aircraft::AircraftError;
 use crate::damaged::Effects;
 use crate::manoeuvre::Manoeuvre;
@@ -48,6 +50,8 @@ pub struct Scenario {
     /// Commands to the surfaces, added to their trim positions; several to one surface add up.
     #[serde(default)]
     pub manoeuvre: Vec<Manoeuvre>,
+    /// Steady wind over the ground, at all altitudes or by altitude; calm if it is not given.
+    pub wind: Option<Wind>,
     /// Single gusts along the body axes; several add up.
     #[serde(default)]
     pub gust: Vec<GustSettings>,
@@ -248,6 +252,9 @@ impl Scenario {
         self.model_error.check()?;
         if let Some(turbulence) = &self.turbulence {
             turbulence.check()?;
+        }
+        if let Some(wind) = &self.wind {
+            wind.profile()?;
         }
         Ok(())
     }

@@ -23,9 +23,24 @@ pub fn frame_stream(seed: u64) -> Pcg64 {
     Pcg64::seed_from_u64(seed ^ 0x6672_616d_6573)
 }
 
-/// Channels that are there in symmetric flight too, where all others stay at zero.
-const LONGITUDINAL: &[&str] =
-    &["true_airspeed", "alpha", "theta", "q", "ax", "az", "altitude", "elevator", "throttle", "thrust", "mass"];
+/// Channels that are there in symmetric flight too, where all others stay at zero. Those of a satellite receiver are only
+/// measured where they are named.
+const LONGITUDINAL: &[&str] = &[
+    "true_airspeed",
+    "alpha",
+    "theta",
+    "q",
+    "ax",
+    "az",
+    "altitude",
+    "elevator",
+    "throttle",
+    "thrust",
+    "mass",
+    "north",
+    "east",
+    "ground_speed",
+];
 
 /// Sensor of a channel; none for channels that no sensor measures.
 pub fn specification(sensors: &Sensors, channel: &str) -> Option<SensorSpecification> {
@@ -46,6 +61,9 @@ pub fn specification(sensors: &Sensors, channel: &str) -> Option<SensorSpecifica
         "ay" => sensors.ay.specification(),
         "az" => sensors.az.specification(),
         "altitude" => sensors.altitude.specification(),
+        "north" => sensors.north?.specification(),
+        "east" => sensors.east?.specification(),
+        "ground_speed" => sensors.ground_speed?.specification(),
         "elevator" => sensors.elevator.specification(),
         "aileron" => sensors.aileron.specification(),
         "rudder" => sensors.rudder.specification(),

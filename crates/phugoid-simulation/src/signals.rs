@@ -35,6 +35,14 @@ pub(crate) const SIGNALS: &[(&str, Quantity, Signal)] = &[
     ("mach", Quantity::Number, |s| s.air.mach),
 ];
 
+/// The speeds of a flight that has wind, m/s: that of the aircraft over the ground, and those of the air towards north and
+/// east, without gusts.
+pub(crate) const OVER_THE_GROUND: &[(&str, Signal)] = &[
+    ("ground_speed", |s| s.ground_velocity[0].hypot(s.ground_velocity[1])),
+    ("wind_north", |s| s.wind[0]),
+    ("wind_east", |s| s.wind[1]),
+];
+
 /// How to read the true value of a channel off a sample, SI; `None` for a name that no sample has.
 ///
 /// ```
@@ -47,5 +55,6 @@ pub fn signal(name: &str) -> Option<Signal> {
         "mass" => return Some(|sample| sample.mass),
         _ => {}
     }
-    SIGNALS.iter().find(|(known, ..)| *known == name).map(|(_, _, value)| *value)
+    let over_the_ground = || OVER_THE_GROUND.iter().find(|(known, _)| *known == name).map(|(_, value)| *value);
+    SIGNALS.iter().find(|(known, ..)| *known == name).map(|(_, _, value)| *value).or_else(over_the_ground)
 }

@@ -12,7 +12,7 @@ use crate::accuracy::StudyError;
 use phugoid_simulation::flight::{Flight, FlightError, fly};
 use phugoid_simulation::manoeuvre::{Manoeuvre, Surface};
 use phugoid_simulation::quantity::{Acceleration, Angle, AngularRate, Frequency, Quantity, Speed, Time};
-use phugoid_simulation::scenario::{Damage, Scenario, Sensor, Sensors, Turbulence};
+use phugoid_simulation::scenario::{Damage, Scenario, Sensor, Sensors, Spectrum, Turbulence};
 
 /// Parameters before and after the damage lie within this part of the half width of their bounds.
 const SHARE_OF_BOUNDS: f64 = 0.6;
@@ -164,6 +164,7 @@ fn air(scenario: &mut Scenario, order: &Order, random: &mut Pcg64Mcg) {
     let sigma = LARGEST_GUST * random.random::<f64>();
     scenario.turbulence = (order.air == Air::Everything).then(|| Turbulence {
         intensity: None,
+        spectrum: Spectrum::Dryden,
         sigma: Some(Speed::from_si(sigma)),
         rates: false,
     });

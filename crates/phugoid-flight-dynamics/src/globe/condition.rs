@@ -18,7 +18,7 @@ pub enum AirModel {
     Standard1976,
     /// No air: density and pressure are zero, the speed of sound is that of 288.15 K.
     Vacuum,
-    /// One of the simpler models, for altitudes up to 20 km.
+    /// One of the models of a flat earth, whose altitude is geopotential.
     Simple(Atmosphere),
 }
 

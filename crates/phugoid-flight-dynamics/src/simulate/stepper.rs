@@ -9,6 +9,7 @@ use crate::gust::AirMotion;
 use crate::increments::Increments;
 use crate::integrate::rk4_step;
 use crate::motion::{Disturbance, motion};
+use crate::wind::WindProfile;
 
 /// Aircraft states and the three surface positions.
 const VECTOR: usize = STATES + ACTUATOR_STATES;
@@ -63,6 +64,7 @@ pub struct Stepper {
     substeps: usize,
     hold: CommandHold,
     use_actuators: bool,
+    wind: WindProfile,
 }
 
 impl Stepper {
@@ -72,13 +74,31 @@ impl Stepper {
         let surfaces = [surfaces.elevator, surfaces.aileron, surfaces.rudder];
         let (x, delay) = (join(&initial, surfaces), Delay::new(surfaces));
         let substeps = substeps.max(1);
-        Self { x, surfaces, delay, burnt: 0.0, k: 0, sample_time, substeps, hold, use_actuators: true }
+        Self {
+            x,
+            surfaces,
+            delay,
+            burnt: 0.0,
+            k: 0,
+            sample_time,
+            substeps,
+            hold,
+            use_actuators: true,
+            wind: WindProfile::default(),
+        }
     }
 
     /// The same flight with or without the aircraft's actuators.
     #[must_use]
     pub fn with_actuators(self, use_actuators: bool) -> Self {
         Self { use_actuators, ..self }
+    }
+
+    /// The same flight in air that moves with this wind. Speed, angle of attack and sideslip of the state are those relative
+    /// to it.
+    #[must_use]
+    pub fn with_wind(self, wind: WindProfile) -> Self {
+        Self { wind, ..self }
     }
 
     /// Time since the start of the flight, s.
@@ -113,7 +133,9 @@ impl Stepper {
 
     fn sample_of<A: Aircraft>(&self, aircraft: &A, now: &Instant, fuel: Option<f64>) -> TrajectorySample {
         let (state, _) = split(&self.x);
-        let disturbance = Disturbance { gust: now.air.velocity, gust_rates: now.air.rates, increments: now.increments };
+        let wind = self.wind.at(state.altitude);
+        let (gust, gust_rates) = (now.air.velocity, now.air.rates);
+        let disturbance = Disturbance { wind, gust, gust_rates, increments: now.increments };
         let actuators = self.use_actuators.then(|| aircraft.actuators());
         let surfaces = actuators.map_or(now.commands, |a| a.controls(&now.commands, self.surfaces));
         let motion = motion(aircraft, &state, &surfaces, &disturbance);
@@ -127,6 +149,8 @@ impl Stepper {
             angular_acceleration: [motion.rates.p, motion.rates.q, motion.rates.r],
             propulsive_force: aircraft.propulsion(state.power, state.altitude, motion.air.mach).force,
             coefficients: motion.coefficients,
+            wind: wind.velocity,
+            ground_velocity: [motion.rates.north, motion.rates.east, -motion.rates.altitude],
             mass: aircraft.mass_properties().mass(),
             fuel,
         }
@@ -135,7 +159,7 @@ impl Stepper {
     /// Flies one sample with commands that are held, and the same air and increments throughout.
     ///
     /// # Errors
-    /// [`SimulationError::NotFinite`] when the motion diverges.
+    /// [`SimulationError`]: the motion diverges, or the aircraft leaves its atmosphere.
     pub fn hold<A: Aircraft>(&mut self, aircraft: &A, now: &Instant) -> Result<(), SimulationError> {
         self.advance(aircraft, now.commands, |_, _| now.commands, |_| now.air, |_| now.increments)
     }
@@ -145,7 +169,7 @@ impl Stepper {
     /// over a sample is that of its middle.
     ///
     /// # Errors
-    /// [`SimulationError::NotFinite`] when the motion diverges; the flight is then over.
+    /// [`SimulationError`]: the motion diverges, or the aircraft leaves its atmosphere; the flight is then over.
     pub fn advance<A: Aircraft>(
         &mut self,
         aircraft: &A,
@@ -184,6 +208,7 @@ impl Stepper {
         let last_speed = self.state().speed;
         let step = self.sample_time / self.substeps as f64;
         let actuators = self.use_actuators.then(|| aircraft.actuators());
+        let wind = &self.wind;
         let mut disturbance = Disturbance { increments: increments(time), ..Disturbance::default() };
         for substep in 0..self.substeps {
             let t = time + substep as f64 * step;
@@ -202,6 +227,7 @@ impl Stepper {
                 let (state, positions) = split(x);
                 let air = air(t);
                 (disturbance.gust, disturbance.gust_rates) = (air.velocity, air.rates);
+                disturbance.wind = wind.at(state.altitude);
                 let (surfaces, surface_rates) = match actuators {
                     Some(a) => (a.controls(&told, a.surfaces(positions, before)), a.rates(&told, positions)),
                     None => (command, [0.0; ACTUATOR_STATES]),
@@ -214,10 +240,15 @@ impl Stepper {
             }
         }
         self.k += 1;
-        match self.x.iter().zip(NAMES).find(|(v, _)| !v.is_finite()) {
-            Some((_, state)) => Err(SimulationError::NotFinite { state, time: self.time(), last_speed }),
-            None => Ok(()),
+        let time = self.time();
+        if let Some((_, state)) = self.x.iter().zip(NAMES).find(|(v, _)| !v.is_finite()) {
+            return Err(SimulationError::NotFinite { state, time, last_speed });
         }
+        let (altitude, ceiling) = (self.state().altitude, aircraft.atmosphere().ceiling());
+        if altitude > ceiling {
+            return Err(SimulationError::AboveTheAir { time, altitude, ceiling });
+        }
+        Ok(())
     }
 }
 

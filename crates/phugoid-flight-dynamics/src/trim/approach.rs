@@ -55,7 +55,7 @@ pub fn approach<A: Aircraft>(
     condition: &TrimCondition,
     start: &TrimStart,
 ) -> Result<Vec<TrimStep>, TrimError> {
-    check(condition)?;
+    check(condition, aircraft.atmosphere())?;
     let TrimStart { alpha, beta, phi, theta, throttle, elevator, aileron, rudder } = *start;
     let start: [f64; UNKNOWNS] = [alpha, beta, phi, theta, throttle, elevator, aileron, rudder];
     if let Some(value) = start.iter().copied().find(|v| !v.is_finite()) {

@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use super::error::TrimError;
 use crate::aircraft::{Aircraft, Controls, DataRange, State};
+use crate::atmosphere::Atmosphere;
 use crate::increments::Increments;
 
 /// The steady flight asked for. Still air.
@@ -13,7 +14,7 @@ use crate::increments::Increments;
 pub struct TrimCondition {
     /// True airspeed, m/s; a positive number.
     pub speed: f64,
-    /// Altitude above sea level, m; from -1000 to 25,000 m.
+    /// Altitude above sea level, m; from -1000 m to 25,000 m in the air of the book, to 84,852 m in the standard atmosphere.
     pub altitude: f64,
     /// Flight path angle, rad, positive climbing. A climb is steady but for the change of the air with altitude.
     pub flight_path_angle: f64,
@@ -141,19 +142,24 @@ impl Trim {
     }
 }
 
-/// Altitudes, m, in which the atmosphere models mean something; not far above, the air of Stevens & Lewis ends.
-const ATMOSPHERE: RangeInclusive<f64> = -1_000.0..=25_000.0;
+/// Altitudes, m, in which a model of the air means something, and the words for it.
+fn altitudes(atmosphere: Atmosphere) -> (RangeInclusive<f64>, &'static str) {
+    match atmosphere {
+        // Not far above, the air of Stevens & Lewis ends.
+        Atmosphere::Book => (-1_000.0..=25_000.0, "between -1000 and 25000 m, where the air of Stevens & Lewis holds"),
+        Atmosphere::Standard => (
+            -1_000.0..=Atmosphere::Standard.ceiling(),
+            "between -1000 and 84852 m (geopotential), where the standard atmosphere of 1976 ends at 86 km",
+        ),
+    }
+}
 
-pub(super) fn check(c: &TrimCondition) -> Result<(), TrimError> {
+pub(super) fn check(c: &TrimCondition, atmosphere: Atmosphere) -> Result<(), TrimError> {
+    let (altitudes, which) = altitudes(atmosphere);
     let [low, high] = c.alpha_range;
     for (field, value, valid, expected) in [
         ("speed", c.speed, c.speed > 0.0, "a positive number, m/s"),
-        (
-            "altitude",
-            c.altitude,
-            ATMOSPHERE.contains(&c.altitude),
-            "between -1000 and 25000 m, where the models of the air hold",
-        ),
+        ("altitude", c.altitude, altitudes.contains(&c.altitude), which),
         ("flight_path_angle", c.flight_path_angle, c.flight_path_angle.abs() < 1.5, "between -1.5 and 1.5 rad"),
         ("turn_rate", c.turn_rate, true, "a number, rad/s"),
         ("heading", c.heading, true, "a number, rad"),

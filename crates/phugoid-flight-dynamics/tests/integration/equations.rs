@@ -11,6 +11,7 @@ use phugoid_flight_dynamics::longitudinal::{LongitudinalLoads, LongitudinalState
 use phugoid_flight_dynamics::mass::MassProperties;
 use phugoid_flight_dynamics::motion::{Disturbance, motion};
 use phugoid_flight_dynamics::scalar::Scalar;
+use phugoid_flight_dynamics::wind::LocalWind;
 use proptest::prelude::*;
 
 /// A light propeller aircraft described by derivatives, in the standard atmosphere: nothing of the F-16 in it. Thrust
@@ -373,4 +374,62 @@ fn another_aircraft_needs_no_other_equations() {
         assert!(rate.abs() < 1e-9, "{name}: {rate:e}");
     }
     assert!((rates.north - speed).abs() < 1e-9 && rates.altitude.abs() < 1e-9);
+}
+
+/// Newton's second law over the ground, which knows nothing of the wind: the velocity that the position changes with has
+/// the rate `R f + g`, whatever the wind and its shear, for accelerometers that feel `f`.
+fn newton_holds_over_the_ground<A: Aircraft>(aircraft: &A, state: &State, controls: &Controls, d: &Disturbance) {
+    let at = |step: f64, rates: &State| {
+        let (x, rates) = (state.to_array(), rates.to_array());
+        let moved = State::from_array(std::array::from_fn(|i| x[i] + step * rates[i]));
+        let rates = motion(aircraft, &moved, controls, d).rates;
+        [rates.north, rates.east, -rates.altitude]
+    };
+    let now = motion(aircraft, state, controls, d);
+    let step = 1e-4;
+    let (before, after) = (at(-step, &now.rates), at(step, &now.rates));
+    let (sf, cf) = state.phi.sin_cos();
+    let (st, ct) = state.theta.sin_cos();
+    let (sp, cp) = state.psi.sin_cos();
+    let to_ground = [
+        [ct * cp, sf * st * cp - cf * sp, cf * st * cp + sf * sp],
+        [ct * sp, sf * st * sp + cf * cp, cf * st * sp - sf * cp],
+        [-st, sf * ct, cf * ct],
+    ];
+    for i in 0..3 {
+        let felt: f64 = (0..3).map(|j| to_ground[i][j] * now.specific_force[j]).sum();
+        let expected = felt + if i == 2 { aircraft.gravity() } else { 0.0 };
+        let rate = (after[i] - before[i]) / (2.0 * step);
+        assert!((rate - expected).abs() < 1e-4 * (1.0 + expected.abs()), "{i}: {rate} {expected}");
+    }
+}
+
+proptest! {
+    #[test]
+    fn the_ground_does_not_know_of_the_wind(
+        angles in prop::array::uniform3(-0.8..0.8_f64), flow in (0.02..0.3_f64, -0.1..0.1_f64),
+        rates in prop::array::uniform3(-0.5..0.5_f64), speed in 60.0..200.0_f64, altitude in 500.0..9000.0_f64,
+        velocity in prop::array::uniform2(-30.0..30.0_f64), shear in prop::array::uniform2(-0.1..0.1_f64),
+    ) {
+        let x = [
+            speed, flow.0, flow.1, angles[0], angles[1], angles[2], rates[0], rates[1], rates[2], 0.0, 0.0, altitude, 40.0,
+        ];
+        let state = State::from_array(x);
+        let controls = Controls { throttle: 0.5, elevator: -0.05, aileron: 0.02, rudder: 0.03 };
+        let disturbance = Disturbance { wind: LocalWind { altitude, velocity, shear }, ..Default::default() };
+        let f16 = F16::new(F16Options::default()).unwrap();
+        newton_holds_over_the_ground(&f16, &state, &controls, &disturbance);
+        let inertia = [[1285.0, 0.0, 0.0], [0.0, 1825.0, 0.0], [0.0, 0.0, 2667.0]];
+        newton_holds_over_the_ground(&Trainer::new(inertia, [1.0, 0.0, 0.0], [0.0; 3]), &state, &controls, &disturbance);
+        // The same wind at all altitudes carries the aircraft along and does nothing else, not in the last bit.
+        let carried = Disturbance { wind: LocalWind { altitude, velocity, shear: [0.0; 2] }, ..Default::default() };
+        let (still, carried) = (
+            motion(&f16, &state, &controls, &Disturbance::default()),
+            motion(&f16, &state, &controls, &carried),
+        );
+        prop_assert_eq!(carried.rates.north, still.rates.north + velocity[0]);
+        prop_assert_eq!(carried.rates.east, still.rates.east + velocity[1]);
+        prop_assert_eq!(State { north: 0.0, east: 0.0, ..carried.rates }, State { north: 0.0, east: 0.0, ..still.rates });
+        prop_assert_eq!((carried.air, carried.specific_force), (still.air, still.specific_force));
+    }
 }

@@ -10,6 +10,7 @@ use phugoid_flight_dynamics::mass::MassProperties;
 use phugoid_flight_dynamics::modes::ModeName;
 use phugoid_flight_dynamics::motion::{Disturbance, motion};
 use phugoid_flight_dynamics::trim::{TrimCondition, trim};
+use phugoid_flight_dynamics::wind::LocalWind;
 use proptest::prelude::*;
 use reference::{FOOT, numbers, published};
 use serde_json::Value;
@@ -161,6 +162,7 @@ proptest! {
         cell in (0..7_i32, -2..2_i32), fraction in (0.1..0.9_f64, 0.1..0.9_f64), beta in 0.01..0.08_f64,
         angles in prop::array::uniform3(-0.7..0.7_f64), rates in prop::array::uniform3(-0.5..0.5_f64),
         speed in 120.0..125.0_f64, altitude in 1000.0..1500.0_f64, gust in prop::array::uniform3(-1e-3..1e-3_f64),
+        wind in prop::array::uniform2(-9.0..9.0_f64), shear in prop::array::uniform2(-0.1..0.1_f64),
     ) {
         let aircraft = F16::new(F16Options::default()).unwrap();
         let alpha = (5.0 * (f64::from(cell.0) + fraction.0)).to_radians();
@@ -169,7 +171,8 @@ proptest! {
             speed, alpha, beta, angles[0], angles[1], angles[2], rates[0], rates[1], rates[2], 10.0, -20.0, altitude, 30.0,
         ];
         let u = [0.4, elevator, 0.05, -0.1];
-        let disturbance = Disturbance { gust, ..Disturbance::default() };
+        let wind = LocalWind { altitude, velocity: wind, shear };
+        let disturbance = Disturbance { wind, gust, ..Disturbance::default() };
         let controls = Controls { throttle: u[0], elevator: u[1], aileron: u[2], rudder: u[3] };
         let model = linearize(&aircraft, &State::from_array(x), &controls, &disturbance);
         for j in 0..STATES + INPUTS {

@@ -48,6 +48,12 @@ impl Sensors {
         for sensor in [&mut self.pdot, &mut self.qdot, &mut self.rdot].into_iter().flatten() {
             draw(sensor, AngularAcceleration::from_si, &mut random);
         }
+        for sensor in [&mut self.north, &mut self.east].into_iter().flatten() {
+            draw(sensor, Length::from_si, &mut random);
+        }
+        if let Some(sensor) = &mut self.ground_speed {
+            draw(sensor, Speed::from_si, &mut random);
+        }
     }
 }
 

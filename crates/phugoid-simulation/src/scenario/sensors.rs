@@ -99,6 +99,12 @@ pub struct Sensors {
     pub az: Sensor<Acceleration>,
     /// Sensor of the altitude above sea level.
     pub altitude: Sensor<Length>,
+    /// Position towards the north from where the flight began (satellite receiver); not measured unless it is named.
+    pub north: Option<Sensor<Length>>,
+    /// Position towards the east from where the flight began (satellite receiver); not measured unless it is named.
+    pub east: Option<Sensor<Length>>,
+    /// Horizontal speed over the ground (satellite receiver); not measured unless it is named.
+    pub ground_speed: Option<Sensor<Speed>>,
     /// Sensor of the elevator's position, with the sign of the aircraft's data.
     pub elevator: Sensor<Angle>,
     /// Sensor of the ailerons' position, with the sign of the aircraft's data.

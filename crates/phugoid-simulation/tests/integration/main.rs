@@ -7,6 +7,7 @@ mod shared_data;
 mod studies;
 
 mod against_record;
+mod air;
 mod damage;
 mod declared_by_default;
 mod engines;
