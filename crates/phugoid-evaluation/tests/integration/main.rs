@@ -20,6 +20,7 @@ mod look_back;
 mod manoeuvres;
 mod offer;
 mod predicted_bound;
+mod recorders;
 mod second_aircraft;
 mod second_answer;
 mod stack;

@@ -119,11 +119,18 @@ pub(super) fn climb(doubts: &mut Doubts) {
     let bank = bank(doubts);
     let rate =
         |k: usize| speed[k] * (alpha[k].cos() * theta[k].sin() - alpha[k].sin() * bank(k).cos() * theta[k].cos());
-    let Some(Fit { slope, correlation }) = fit(doubts.time(), altitude, rate, 2.0) else { return };
+    let Some(Fit { slope, correlation, .. }) = fit(doubts.time(), altitude, rate, 2.0) else { return };
     if correlation > 0.95 && (2.6..4.2).contains(&slope) {
         let message = format!(
             "changes {} times as fast as airspeed and path angle say: it may be in feet (or the airspeed too small). Name \
              the column `altitude_ft` or give its unit in the model file",
+            Short(slope)
+        );
+        doubts.add(&["altitude"], Certainty::Doubtful, message);
+    } else if correlation > 0.95 && (0.24..0.38).contains(&slope) {
+        let message = format!(
+            "changes {} times as fast as airspeed and path angle say: it may be in metres and called feet (or the airspeed too \
+             large). Name the column `altitude_m` or give its unit in the model file",
             Short(slope)
         );
         doubts.add(&["altitude"], Certainty::Doubtful, message);
@@ -163,7 +170,7 @@ pub(super) fn turning(doubts: &mut Doubts) {
         .zip(&pitching)
         .map(|((change, force), (_, pitch))| (*force, typical * (change - pitch)))
         .collect();
-    let Some(Fit { slope, correlation }) = regress(&pairs) else { return };
+    let Some(Fit { slope, correlation, .. }) = regress(&pairs) else { return };
     if correlation > 0.9 && !(0.62..=1.6).contains(&slope) {
         let message = format!(
             "does not fit the accelerations, which turn the path {} times as fast as it allows: a speed in ft/s read as \

@@ -40,7 +40,7 @@ pub(super) fn attitude_and_rate(doubts: &mut Doubts, axis: Axis) {
     let level = |k: usize| bank.is_none_or(|phi| phi[k].abs() < LEVEL);
     let rate_at = |k: usize| if level(k) { turning[k] } else { f64::NAN };
     let step = doubts.step().unwrap_or(0.0);
-    let Some(Fit { slope, correlation }) = fit(doubts.time(), angle, rate_at, window(doubts.time(), step)) else {
+    let Some(Fit { slope, correlation, .. }) = fit(doubts.time(), angle, rate_at, window(doubts.time(), step)) else {
         return;
     };
     let found = format!("{attitude} changes {} times as fast as {rate} says", Short(slope.abs()));
@@ -120,8 +120,9 @@ pub(super) fn angle_of_attack(doubts: &mut Doubts) {
     if doubts.any(&["alpha", "q"]) {
         return;
     }
-    let Some(Fit { slope, correlation }) = fit(doubts.time(), alpha, |k| q[k], 0.5) else { return };
-    if correlation > 0.5 && slope > 8.0 {
+    let Some(found) = fit(doubts.time(), alpha, |k| q[k], 0.5) else { return };
+    let Fit { slope, correlation, .. } = found;
+    if found.together(0.5) && slope > 8.0 {
         let message = format!(
             "alpha changes {} times as fast as the pitch rate turns the nose: alpha looks like degrees read as radians \
              (else q is in rad/s and taken for deg/s). {}",
@@ -129,7 +130,7 @@ pub(super) fn angle_of_attack(doubts: &mut Doubts) {
             write_degrees("alpha", "deg")
         );
         doubts.add(&["alpha", "q"], Certainty::Certain, message);
-    } else if correlation > 0.5 && slope < 1.0 / 30.0 {
+    } else if found.together(0.5) && slope < 1.0 / 30.0 {
         let message = format!(
             "alpha changes only {} times as fast as the pitch rate turns the nose: 0.2 to 1.5 is expected in a quick \
              pitch motion. Check the units of both",

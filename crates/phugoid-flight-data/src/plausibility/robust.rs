@@ -40,6 +40,16 @@ pub(super) struct Fit {
     pub(super) slope: f64,
     /// Correlation coefficient of the two, from -1 to 1.
     pub(super) correlation: f64,
+    /// Number of windows.
+    pub(super) windows: usize,
+}
+
+impl Fit {
+    /// The correlation from which on the two move together: `least`, and in a record of few windows what noise does not make by chance
+    /// (three standard errors of the correlation of noise).
+    pub(super) fn together(&self, least: f64) -> bool {
+        self.correlation > least.max(3.0 / (self.windows as f64).sqrt())
+    }
 }
 
 /// Regression of the changes of a signal over windows of about `width` seconds on the integrals of `rate` over the same
@@ -81,7 +91,8 @@ pub(super) fn regress(pairs: &[(f64, f64)]) -> Option<Fit> {
     if pairs.len() < 10 {
         return None;
     }
-    let n = pairs.len() as f64;
+    let windows = pairs.len();
+    let n = windows as f64;
     let (mean_a, mean_b) = pairs.iter().fold((0.0, 0.0), |(a, b), pair| (a + pair.0 / n, b + pair.1 / n));
     let (mut aa, mut bb, mut ab) = (0.0, 0.0, 0.0);
     for (a, b) in pairs {
@@ -89,5 +100,5 @@ pub(super) fn regress(pairs: &[(f64, f64)]) -> Option<Fit> {
         bb += (b - mean_b) * (b - mean_b);
         ab += (a - mean_a) * (b - mean_b);
     }
-    (aa > 0.0 && bb > 0.0).then(|| Fit { slope: ab / bb, correlation: ab / (aa.sqrt() * bb.sqrt()) })
+    (aa > 0.0 && bb > 0.0).then(|| Fit { slope: ab / bb, correlation: ab / (aa.sqrt() * bb.sqrt()), windows })
 }

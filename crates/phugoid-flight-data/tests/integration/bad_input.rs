@@ -343,6 +343,20 @@ fn missing_values_are_kept_missing_and_counted() {
     assert_eq!(quality, [("time", 0), ("alpha", 4), ("beta", 50), ("flight_path_angle", 100)]);
 }
 
+/// Taken for angles, they are 174 rad.
+#[test]
+fn numbers_that_stand_for_no_value_are_missing() {
+    let row = |k: usize| {
+        let alpha = if k % 15 == 3 { -9999.0 } else { 2.0 + (0.3 * k as f64).sin() };
+        format!("{:.2},{alpha},{}\n", 0.02 * k as f64, 100.0 + 0.1 * k as f64)
+    };
+    let text = format!("time_s,alpha_deg,tas_m_s\n{}", (0..60).map(row).collect::<String>());
+    let record = good(&text);
+    says(&record, &["column 'alpha_deg'", "4 cells of alpha hold -9999, far from all other values: taken as missing"]);
+    assert_eq!(values(&record, "alpha").iter().filter(|v| v.is_nan()).count(), 4);
+    assert!(values(&record, "true_airspeed").iter().all(|v| v.is_finite()));
+}
+
 #[test]
 fn columns_of_text_are_left_out() {
     let record = good("time_s,mode,note,alpha_rad\n0,AUTO,,0.1\n1,MAN,,0.2\n");

@@ -121,8 +121,12 @@ fn every_spoilt_channel_of_a_computed_flight_is_named_once() {
     certain(&spoilt(&record, "elevator", DEGREES), "elevator", &["degrees read as radians"]);
     certain(&spoilt(&record, "nz", -1.0), "nz", &["positive up"]);
     certain(&spoilt(&record, "nz", G), "nz", &["not g"]);
-    for (name, factor) in [("altitude", 1.0 / 0.3048), ("true_airspeed", 1.0 / 0.3048), ("true_airspeed", 1.0 / 0.5144)]
-    {
+    for (name, factor) in [
+        ("altitude", 1.0 / 0.3048),
+        ("altitude", 0.3048),
+        ("true_airspeed", 1.0 / 0.3048),
+        ("true_airspeed", 1.0 / 0.5144),
+    ] {
         let doubts = spoilt(&record, name, factor);
         assert!(doubts.iter().any(|doubt| doubt.channels.contains(&name.to_owned())), "{name}");
         assert!(doubts.iter().all(|doubt| doubt.certainty == Certainty::Doubtful));

@@ -9,8 +9,8 @@ pub enum BatchError {
     /// The simulation is not finite at the start values, or one damped step away from every accepted point.
     #[error(
         "{manoeuvre}: the simulation with the start values diverges {time_s:.3} s after its first sample. Start nearer \
-         (equation error gives start values), or cut the manoeuvre; for an unstable aircraft take filter error or equation \
-         error, which do not integrate freely"
+         (equation error gives start values), or cut the manoeuvre; for an unstable aircraft take filter error, which follows the \
+         measurements; where that diverges, look for wild values in the record, or take equation error, which does not integrate"
     )]
     Diverged {
         /// Name of the manoeuvre, e.g. its file.

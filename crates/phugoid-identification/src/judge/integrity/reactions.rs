@@ -47,7 +47,7 @@ pub(super) fn surface(found: &SurfaceDelay, hold: InputHold) -> Option<Finding> 
             1e3 * late_s.abs(),
             2e3 * std_s,
             if late_s > 0.0 { "late" } else { "early" },
-            if late_s > 0.0 { "" } else { ", and whether the command was recorded in the place of the position" }
+            if late_s > 0.0 { "" } else { ", whether the command was recorded in the place of the position, and whether the rate gyro is late" }
         ),
     })
 }
