@@ -389,13 +389,21 @@ fn possible_solution(
         let spec = &UNKNOWNS[solution.columns[worst].place];
         let [least, most] = spec.possible;
         let unit = if spec.unit == "-" { String::new() } else { format!(" {}", spec.unit) };
+        let (value, channel) = (solution.values[worst], spec.channel);
+        let is_early = spec.unit == "s" && value < least;
         refused.push(Refused {
             place: solution.columns[worst].place,
-            reason: format!(
-                "the flight asks for {:.3}{unit}, and no sensor has less than {least}{unit} or more than {most}{unit}: \
-                 look at `{}` itself, its unit, its clock and its filters",
-                solution.values[worst], spec.channel
-            ),
+            reason: if is_early {
+                format!(
+                    "the flight asks for {value:.3} s, and nothing is recorded before it happens: `{channel}` is held against the rate \
+                     gyros and the accelerometers, and these are probably late. Look at their clock and filters"
+                )
+            } else {
+                format!(
+                    "the flight asks for {value:.3}{unit}, and no sensor has less than {least}{unit} or more than {most}{unit}: \
+                     look at `{channel}` itself, its unit, its clock and its filters"
+                )
+            },
         });
         columns.remove(worst);
         from = Some((without(&solution.values, worst), solution.levels));
