@@ -14,7 +14,7 @@ use crate::batch::{EquationErrorSettings, Manoeuvre, equation_error};
 use crate::core::error::EstimateError;
 use crate::core::estimation::{OtherValue, SecondAnswer, without_part};
 use crate::core::method::Method;
-use crate::core::options::EstimateOptions;
+use crate::core::options::{EstimateOptions, Opens};
 use crate::model_file::{Parameter, Role};
 
 /// The filter: it needs no settings, learns its noise, and takes a tenth of the time of filter error.
@@ -36,8 +36,10 @@ pub(super) fn by_filter<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     Ok(SecondAnswer { method: FILTER, values: columns.filter_map(|(p, column)| other(p, column)).collect() })
 }
 
-/// The parameters of the task's record by equation error, from the samples since the last change that stands in the run: what
-/// it says is about the same aircraft as the estimates at the end. `None` where the equations give no answer, where only what a live
+/// The parameters of the task's record by equation error, from the samples since the last change of everything that stands in the
+/// run: what it says is about the same aircraft as the estimates at the end. Where constants alone have changed since (a trim
+/// shift), the flight is solved in parts between these times: derivatives are the means of the parts by their errors, as the filter
+/// takes them to be the same, and constants those of the last part. `None` where the equations give no answer, where only what a live
 /// session would have had is asked for, and of a method that is a regression itself or a law without a search for the best values.
 pub(crate) fn by_equations<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     task: &Task<M, N, R>,
@@ -47,18 +49,42 @@ pub(crate) fn by_equations<M: EveryRoom<N, R>, const N: usize, const R: usize>(
         return None;
     }
     let prepared = task.prepared;
-    let changed_s =
-        run.changes.iter().filter(|change| change.outcome.stands()).map(|change| change.time_s).reduce(f64::max);
-    let first = changed_s.map_or(0, |changed_s| prepared.time.partition_point(|t| *t < changed_s));
-    let since = Manoeuvre {
-        first,
-        time_s: &prepared.time[first..],
-        outputs: &prepared.outputs[first..],
-        ..manoeuvre::<M, N, R>("the record", prepared)
-    };
-    let regression = EquationErrorSettings::automatic(sample_time(&prepared.time));
-    let found = equation_error(&[since], &structure::<M, N, R>(task).ok()?, &regression).ok()?;
-    Some(SecondAnswer { method: Method::EquationError, values: others(&found.fit) })
+    let standing = || run.changes.iter().filter(|change| change.outcome.stands());
+    let sample = |time_s: f64| prepared.time.partition_point(|t| *t < time_s);
+    let everything = standing().filter(|change| change.opens == Opens::Everything).map(|change| change.time_s);
+    let since_s = everything.reduce(f64::max).unwrap_or(f64::NEG_INFINITY);
+    let mut ends: Vec<usize> = standing().map(|change| change.time_s).filter(|t| *t > since_s).map(sample).collect();
+    ends.push(prepared.time.len());
+    ends.sort_unstable();
+    let settings = EquationErrorSettings::automatic(sample_time(&prepared.time));
+    let structure = structure::<M, N, R>(task).ok()?;
+    let mut first = sample(since_s);
+    let mut parts: Vec<Option<Vec<OtherValue>>> = Vec::with_capacity(ends.len());
+    for end in ends {
+        let part = Manoeuvre {
+            first,
+            time_s: &prepared.time[first..end],
+            outputs: &prepared.outputs[first..end],
+            ..manoeuvre::<M, N, R>("the record", prepared)
+        };
+        parts.push(equation_error(&[part], &structure, &settings).ok().map(|found| others(&found.fit)));
+        first = end;
+    }
+    let last = parts.pop()??;
+    let before: Vec<Vec<OtherValue>> = parts.into_iter().flatten().collect();
+    let is_constant = |name: &str| task.file.estimated().any(|p| p.name == name && p.role.is_constant_term());
+    let together = |value: OtherValue| if is_constant(&value.name) { value } else { mean(value, &before) };
+    Some(SecondAnswer { method: Method::EquationError, values: last.into_iter().map(together).collect() })
+}
+
+/// The mean of a value and of those of the same name in other parts of the flight, by their errors.
+fn mean(value: OtherValue, parts: &[Vec<OtherValue>]) -> OtherValue {
+    let same = parts.iter().flatten().filter(|other| other.name == value.name);
+    let known = |v: &&OtherValue| v.value.is_finite() && v.std_error.is_finite() && v.std_error > 0.0;
+    let all: Vec<&OtherValue> = same.chain([&value]).filter(known).collect();
+    let weight: f64 = all.iter().map(|v| v.std_error.powi(-2)).sum();
+    let sum: f64 = all.iter().map(|v| v.value * v.std_error.powi(-2)).sum();
+    if weight > 0.0 { OtherValue { value: sum / weight, std_error: weight.sqrt().recip(), ..value } } else { value }
 }
 
 /// A parameter without the part of its error that the model file declares: that is the same for both methods.
@@ -66,4 +92,19 @@ fn other(parameter: &Parameter, column: &ColumnRun) -> Option<OtherValue> {
     let random = without_part(column.corrected_std_error, column.systematic_std);
     let is_known = column.value.is_finite() && random.is_finite() && random > 0.0;
     is_known.then(|| OtherValue { name: parameter.name.clone(), value: column.value, std_error: random })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_of_a_flight_count_by_their_errors() {
+        let of = |value: f64, std_error: f64| OtherValue { name: "Cm_q".to_owned(), value, std_error };
+        let other = OtherValue { name: "Cm_alpha".to_owned(), value: 9.0, std_error: 0.01 };
+        let found = mean(of(-10.0, 1.0), &[vec![of(-16.0, 0.5), other], vec![of(f64::NAN, 1.0)]]);
+        assert!((found.value + 14.8).abs() < 1e-12 && (found.std_error - 0.2_f64.sqrt()).abs() < 1e-12, "{found:?}");
+        assert_eq!(mean(of(-10.0, 1.0), &[]), of(-10.0, 1.0));
+        assert!(mean(of(f64::NAN, 1.0), &[]).value.is_nan());
+    }
 }
