@@ -137,7 +137,7 @@ impl ReasonCode {
             Self::SensorError => "the sensors disagree with one another",
             Self::InputNoise => "a surface is recorded with much noise",
             Self::Units => "a unit or sign is implausible",
-            Self::Channel => "a channel is stuck, saturated or smoothed",
+            Self::Channel => "a channel is stuck, saturated, smoothed or slow",
             Self::NoExcitation => "nothing moved",
             Self::NoiseNotLearnt => "the noise levels are not yet known",
             Self::NotConverged => "no parameter has converged",

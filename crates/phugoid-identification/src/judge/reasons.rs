@@ -66,6 +66,7 @@ pub(crate) fn reasons<M: Motion<N, R>, const N: usize, const R: usize>(
         found.extend(input_noise::reason(&task.prepared.surface_noise));
         found.extend(input_noise::wild(&task.prepared.wild_values));
         found.extend(smoothed::reason(task));
+        found.extend(smoothed::too_slow(task));
         found.extend(integrity::reason(record, task));
         found.extend(unsettled(parameters, run));
     } else {

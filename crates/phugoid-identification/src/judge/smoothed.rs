@@ -1,4 +1,4 @@
-//! Whether an accelerometer was smoothed before it was recorded.
+//! Whether an accelerometer was smoothed before it was recorded, or is too slow for what acts on it.
 //!
 //! A filter that runs forwards and backwards over a record delays nothing, so that no check of times sees it, and it takes the
 //! noise away by which a method weighs the channel. The channel is then believed far more than all others, while what acts on it at
@@ -13,6 +13,7 @@ use crate::core::estimation::{EstimationStatus, ReasonCode, VerdictReason};
 use crate::core::output::Output;
 use crate::methods::Task;
 use crate::motion::Motion;
+use crate::preparation::noise::OwnSamples;
 
 /// Sixth differences over one row, over those over two rows, up to which a channel counts as smooth. Of 17 flights of another simulator
 /// at 25 and 50 Hz accelerometers have 0.74 and more, those of the HFB-320 0.5 and more; channels that were smoothed at 1 and 2 Hz
@@ -22,6 +23,38 @@ const SMOOTH: f64 = 0.3;
 const NOISY: f64 = 0.5;
 /// Fewer differences say nothing.
 const FEWEST: usize = 100;
+/// Longest time between the samples of an accelerometer, s, in a record that is faster: the colour of its residuals is allowed for over
+/// half a second, which is two samples then. Of 22 flights of another simulator with one every 0.2 s one gave the elevator three times
+/// its lift, seven of its claimed errors off; with one every 0.1 s none was wrong.
+const SLOWEST_S: f64 = 0.15;
+
+/// Names the accelerometers that are much slower than the record.
+pub(super) fn too_slow<M: Motion<N, R>, const N: usize, const R: usize>(task: &Task<M, N, R>) -> Option<VerdictReason> {
+    let channels = M::AXES.outputs().iter().enumerate();
+    let slow: Vec<(&str, f64)> = channels
+        .filter(|(_, output)| task.file.outputs[output.index()] && is_accelerometer(**output))
+        .filter_map(|(row, output)| {
+            let values: Vec<f64> = task.prepared.outputs.iter().map(|y| y[row]).collect();
+            let step_s = OwnSamples::of(&values)?.step_s(&task.prepared.time)?;
+            (step_s > SLOWEST_S).then_some((output.name(), step_s))
+        })
+        .collect();
+    let list: Vec<String> = slow.iter().map(|(name, step_s)| format!("{name} every {:.0} ms", 1e3 * step_s)).collect();
+    (!slow.is_empty()).then(|| VerdictReason {
+        code: ReasonCode::Channel,
+        status: EstimationStatus::Doubtful,
+        concerns: slow.iter().map(|(name, _)| (*name).to_owned()).collect(),
+        sentence: format!(
+            "An accelerometer is much slower than the record ({}): what the surfaces do to the force at once is hardly in it, and the \
+             bounds of their derivatives may be too small. Record it every 100 ms or faster.",
+            list.join(", ")
+        ),
+    })
+}
+
+fn is_accelerometer(output: Output) -> bool {
+    matches!(output, Output::Ax | Output::Ay | Output::Az)
+}
 
 /// Names the accelerometers that have no noise while other channels of the record have.
 pub(super) fn reason<M: Motion<N, R>, const N: usize, const R: usize>(task: &Task<M, N, R>) -> Option<VerdictReason> {
@@ -36,7 +69,6 @@ pub(super) fn reason<M: Motion<N, R>, const N: usize, const R: usize>(task: &Tas
 }
 
 fn of(ratios: &[(Output, f64)]) -> Option<VerdictReason> {
-    let is_accelerometer = |output: Output| matches!(output, Output::Ax | Output::Ay | Output::Az);
     let smooth: Vec<&str> =
         ratios.iter().filter(|(o, ratio)| is_accelerometer(*o) && *ratio < SMOOTH).map(|(o, _)| o.name()).collect();
     let noisy: Vec<&str> = ratios.iter().filter(|(_, ratio)| *ratio > NOISY).map(|(o, _)| o.name()).collect();

@@ -44,14 +44,16 @@ pub(crate) fn noise_levels<M: Motion<N, R>, const N: usize, const R: usize>(
         let found = match OwnSamples::of(&values) {
             // Of a slow instrument the first two seconds hold next to nothing: as many samples as of a fast one at least.
             Some(own) => own.noise(&values, FEWEST_SAMPLES.max(own.up_to(length))),
-            // A coarse recorder shows one value until the aircraft moves: its steps are seen in the whole record.
-            None => measure_noise(&values[..length]).or_else(|| measure_noise(&values)),
+            None => measure_noise(&values[..length]),
         };
         let white = found.map_or(0.0, |found| found.std);
         levels[row] = match model.noise[output.index()] {
             Some(std) => NoiseLevel { std, measured: false, white },
-            None if found.is_some() => NoiseLevel { std: white, measured: true, white },
-            None => return Err(EstimateError::Noise(output.name().to_owned())),
+            // A coarse recorder shows one value until the aircraft moves: its steps are seen in the whole record.
+            None => match found.or_else(|| measure_noise(&values)) {
+                Some(found) => NoiseLevel { std: found.std, measured: true, white: found.std },
+                None => return Err(EstimateError::Noise(output.name().to_owned())),
+            },
         };
     }
     Ok(levels)

@@ -1,6 +1,6 @@
 //! Measurement noise of a channel, from the channel itself.
 
-use phugoid_flight_data::statistics::{Rank, median, quantile};
+use phugoid_flight_data::statistics::{Rank, median, median_step, quantile};
 
 /// The measured noise of one channel.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -64,12 +64,18 @@ pub(crate) struct OwnSamples {
     every: usize,
 }
 
-/// A line bends in a row if its second difference is this part or more of the largest, which nineteen of twenty do not reach: where
-/// a channel runs straight between its own samples, others have those of rounding alone.
-const BEND: f64 = 0.01;
+/// Two of five rows at the least lie on a straight line (of a channel of half the rate of the record every second one does): what their
+/// second differences are is the rounding of the file, and this part at most of the large ones, which nineteen of twenty rows do not
+/// reach.
+const STRAIGHT: f64 = 0.4;
 const LARGE: f64 = 0.95;
-/// Part of the rows that have to lie on straight lines: of a channel of half the rate of the record every second one does.
-const MOSTLY_STRAIGHT: f64 = 0.45;
+const MOST_ROUNDING: f64 = 0.01;
+/// A line bends in a row if its second difference is this part or more of the large ones, and so many times what rounding makes. Where
+/// nothing moves, the noise of the slow channel bends it a thousandth as much as a manoeuvre does.
+const BEND: f64 = 1e-4;
+const BEYOND_ROUNDING: f64 = 10.0;
+/// At most one of so many bends may be one of three on end.
+const MOST_CURVED: usize = 20;
 /// Fewer values of its own do not show that a channel is slow.
 const FEWEST_OWN: usize = 12;
 
@@ -89,15 +95,25 @@ impl OwnSamples {
         let bends: Vec<f64> = values.windows(3).map(|w| (w[2] - 2.0 * w[1] + w[0]).abs()).collect();
         let mut known: Vec<f64> = bends.iter().copied().filter(|bend| bend.is_finite()).collect();
         let large = quantile(&mut known, LARGE, Rank::Nearest)?;
-        let is_bend = |bend: f64| bend > BEND * large;
-        let straight = known.iter().filter(|bend| !is_bend(**bend)).count();
-        if large <= 0.0 || (straight as f64) < MOSTLY_STRAIGHT * values.len() as f64 {
+        let rounding = quantile(&mut known, STRAIGHT, Rank::Nearest)?;
+        if large <= 0.0 || rounding > MOST_ROUNDING * large {
             return None;
         }
-        let mut rows: Vec<usize> = (0..bends.len()).filter(|k| is_bend(bends[*k])).map(|k| k + 1).collect();
+        let least = (BEND * large).max(BEYOND_ROUNDING * rounding);
+        let mut rows: Vec<usize> = (0..bends.len()).filter(|k| bends[*k] > least).map(|k| k + 1).collect();
+        // A line never bends in three rows on end: a motion without noise does, behind a rest without any.
+        let curved = rows.windows(3).filter(|w| w[2] == w[0] + 2).count();
+        if MOST_CURVED * curved > rows.len() {
+            return None;
+        }
         // A sample between two rows bends the line at both.
         rows.dedup_by(|row, before| *row == *before + 1);
         Self::in_rhythm(rows)
+    }
+
+    /// Median time between the samples, s, of a channel whose rows are at the times given.
+    pub(crate) fn step_s(&self, time_s: &[f64]) -> Option<f64> {
+        median_step(&self.rows.iter().map(|row| time_s[*row]).collect::<Vec<_>>())
     }
 
     /// These rows, if they come in a rhythm that is slower than the record: nine of ten follow the one before by the same
@@ -278,6 +294,9 @@ mod tests {
         let coarse: Vec<f64> = (0..400).map(|k| ((0.02 * f64::from(k)).sin() * 20.0).round() / 20.0).collect();
         let noisy_and_coarse: Vec<f64> = fast.iter().map(|v| (v * 50.0).round() / 50.0).collect();
         let lossy: Vec<f64> = fast.iter().enumerate().map(|(k, v)| if k % 7 == 3 { f64::NAN } else { *v }).collect();
+        // A motion without any noise, behind a rest.
+        let clean: Vec<f64> = (0..400).map(|k| if k < 250 { 1.0 } else { (0.02 * f64::from(k - 250)).cos() }).collect();
+        assert!(OwnSamples::on_straight_lines(&clean).is_none());
         for values in [&fast, &coarse, &noisy_and_coarse, &lossy] {
             assert!(OwnSamples::of(values).is_none() && OwnSamples::on_straight_lines(values).is_none());
             assert_eq!(measure_own_noise(values), measure_noise(values));

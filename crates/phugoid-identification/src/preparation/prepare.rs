@@ -63,8 +63,7 @@ fn take_lines<const R: usize>(outputs: &mut [[f64; R]], row: usize, name: &str, 
     let values: Vec<f64> = outputs.iter().map(|y| y[row]).collect();
     // What is held until the next sample steps in every row of its own.
     let own = OwnSamples::on_straight_lines(&values).filter(|_| OwnSamples::of(&values).is_none())?;
-    let own_s: Vec<f64> = own.rows().iter().map(|row| time_s[*row]).collect();
-    let step_s = median_step(&own_s)?;
+    let step_s = own.step_s(time_s)?;
     outputs.iter_mut().for_each(|y| y[row] = f64::NAN);
     own.rows().iter().for_each(|k| outputs[*k][row] = values[*k]);
     Some(format!(
