@@ -14,7 +14,7 @@ use super::response::Rows;
 use super::result::{BatchFit, UnknownKind};
 use super::start::stretches;
 use super::summary::{Summary, summarise};
-use crate::preparation::noise::{measure_noise, without_outliers};
+use crate::preparation::noise::{measure_own_noise, without_outliers};
 
 /// What is known of the process noise: turbulence and model error that drive the states.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -205,7 +205,7 @@ pub(super) fn clean<const N: usize, const R: usize>(
         let mut outputs = m.outputs.to_vec();
         for (i, count) in left_out.iter_mut().enumerate() {
             let values: Vec<f64> = m.outputs.iter().map(|y| y[i]).collect();
-            let Some(noise) = measure_noise(&values) else { continue };
+            let Some(noise) = measure_own_noise(&values) else { continue };
             for (y, value) in outputs.iter_mut().zip(without_outliers(&values, noise.std)) {
                 *count += usize::from(y[i].is_finite() && value.is_nan());
                 y[i] = value;
@@ -232,7 +232,7 @@ fn first_noise<const N: usize, const R: usize>(
             Noise::Known(std) => std,
             Noise::Estimated => manoeuvres
                 .iter()
-                .find_map(|m| measure_noise(&m.outputs.iter().map(|y| y[i]).collect::<Vec<f64>>()))
+                .find_map(|m| measure_own_noise(&m.outputs.iter().map(|y| y[i]).collect::<Vec<f64>>()))
                 .map(|found| found.std)
                 .ok_or_else(|| {
                     let name = &channel.name;

@@ -18,7 +18,7 @@ use super::differentiate::{LocalCubics, half_window_s};
 use super::error::BatchError;
 use super::flown::{Flown, Instant};
 use super::problem::{Manoeuvre, Structure};
-use crate::preparation::noise::{measure_noise, without_outliers};
+use crate::preparation::noise::{measure_own_noise, without_outliers};
 use phugoid_flight_data::statistics::median;
 
 /// The outputs of one manoeuvre that states follow.
@@ -58,7 +58,7 @@ impl<const N: usize> Followed<N> {
                     m.name, state.name
                 )));
             }
-            if let Some(noise) = measure_noise(&measured) {
+            if let Some(noise) = measure_own_noise(&measured) {
                 measured = without_outliers(&measured, noise.std);
             }
             outputs[i] = output;

@@ -3,7 +3,7 @@
 use super::differentiate::LocalCubics;
 use super::error::BatchError;
 use super::problem::{Manoeuvre, Structure};
-use crate::preparation::noise::{measure_noise, without_outliers};
+use crate::preparation::noise::{measure_own_noise, without_outliers};
 
 /// What happens to values that stand out of their neighbours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -52,7 +52,7 @@ impl<const N: usize, const R: usize> Measured<N, R> {
         };
         for i in (0..R).filter(|_| outliers == Outliers::LeftOut) {
             let values: Vec<f64> = m.outputs.iter().map(|y| y[i]).collect();
-            if let Some(noise) = measure_noise(&values) {
+            if let Some(noise) = measure_own_noise(&values) {
                 let clean = without_outliers(&values, noise.std);
                 measured.outputs.iter_mut().zip(clean).for_each(|(y, value)| y[i] = value);
             }

@@ -8,7 +8,7 @@
 //! what its square does remains.
 
 use super::result::{BatchFit, UnknownKind};
-use crate::preparation::noise::measure_noise;
+use crate::preparation::noise::measure_own_noise;
 
 /// Pairs of regressions with added noise.
 pub(super) const PAIRS: u64 = 2;
@@ -35,7 +35,7 @@ pub(crate) fn bias<const R: usize>(
         .map(|samples| {
             std::array::from_fn(|i| {
                 let values: Vec<f64> = samples.iter().map(|y| y[i]).collect();
-                let noise = if of_state[i] { measure_noise(&values) } else { None };
+                let noise = if of_state[i] { measure_own_noise(&values) } else { None };
                 // The steps of a recorder are no noise of their own beside that of the sensor.
                 noise.filter(|noise| !noise.quantised).map_or(0.0, |noise| noise.std)
             })

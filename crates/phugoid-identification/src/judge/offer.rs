@@ -30,7 +30,7 @@ use crate::core::term::{Coefficient, EXTRA_INPUTS};
 use crate::methods::{EveryRoom, Task, whole_record};
 use crate::model_file::{Base, ModelFile, Parameter, Role};
 use crate::motion::Motion;
-use crate::preparation::noise::measure_noise;
+use crate::preparation::noise::measure_own_noise;
 use crate::preparation::prepare::prepare;
 use crate::preparation::prepared::Prepared;
 pub(crate) use candidate::round_up;
@@ -251,7 +251,7 @@ pub(crate) fn batch<M: EveryRoom<N, R>, const N: usize, const R: usize>(
                 let values: Vec<f64> = p.outputs.iter().map(|y| y[i]).collect();
                 let given = file.noise[names[i].index()].unwrap_or(0.0);
                 // The steps of a recorder are no noise of their own beside that of the sensor.
-                measure_noise(&values).map_or(given, |n| if n.quantised { 0.0 } else { n.std })
+                measure_own_noise(&values).map_or(given, |n| if n.quantised { 0.0 } else { n.std })
             })
         })
         .collect();

@@ -71,7 +71,7 @@ fn blame_gyros(found: &mut Vec<Finding>) {
             What::Late { late_s, std_s } if late_s < 0.0 => Some((-late_s, std_s)),
             _ => None,
         };
-        let of = |name: &str| found.iter().find(|f| f.channel == name).and_then(|f| early(f));
+        let of = |name: &str| found.iter().find(|f| f.channel == name).and_then(early);
         let Some((by_surface_s, surface_std_s)) = of(surface) else { continue };
         let agrees = |(s, std_s): (f64, f64)| {
             (s - by_surface_s).abs() < (3.0 * std_s.hypot(surface_std_s)).max(AS_MUCH * by_surface_s)
