@@ -178,6 +178,34 @@ pub struct ParameterResult {
     pub readiness: Option<ParameterReadiness>,
 }
 
+#[cfg(test)]
+impl ParameterResult {
+    /// A converged parameter of 1.0 with a random standard error of 0.1, for tests to change what they are about.
+    pub(crate) fn for_tests(name: &str) -> Self {
+        Self {
+            name: name.to_owned(),
+            unit: "-".to_owned(),
+            value: 1.0,
+            std_error: 0.1,
+            corrected_std_error: 0.1,
+            systematic_std: 0.0,
+            systematic_parts: Vec::new(),
+            correction_std: 0.0,
+            lower: 0.8,
+            upper: 1.2,
+            status: FinalStatus::Converged,
+            converged_at_s: None,
+            observability: 1.0,
+            initial: 0.0,
+            prior_std: 1.0,
+            bounds: None,
+            truth: None,
+            nuisance: false,
+            readiness: None,
+        }
+    }
+}
+
 /// Whether the value of a parameter can be used, and what input would improve it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ParameterReadiness {

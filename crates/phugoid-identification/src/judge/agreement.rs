@@ -196,25 +196,11 @@ mod tests {
     /// A parameter of 1.0 by a method, with a random and a declared part of its error.
     fn found(random: f64, systematic: f64, nuisance: bool) -> ParameterResult {
         ParameterResult {
-            name: "CL_q".to_owned(),
-            unit: "-".to_owned(),
-            value: 1.0,
             std_error: random,
             corrected_std_error: random.hypot(systematic),
             systematic_std: systematic,
-            correction_std: 0.0,
-            systematic_parts: Vec::new(),
-            lower: 0.0,
-            upper: 2.0,
-            status: FinalStatus::Converged,
-            converged_at_s: None,
-            observability: 1.0,
-            initial: 0.0,
-            prior_std: 1.0,
-            bounds: None,
-            truth: None,
             nuisance,
-            readiness: None,
+            ..ParameterResult::for_tests("CL_q")
         }
     }
 

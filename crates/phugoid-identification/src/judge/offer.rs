@@ -484,27 +484,7 @@ mod tests {
         };
         let [of_lift, of_drag] = ["CL_alpha", "CD_0"];
         assert!([of_lift, of_drag].iter().all(|name| file.parameters.iter().any(|p| p.name == *name)));
-        let result = |name: &str, status: FinalStatus| ParameterResult {
-            name: name.to_owned(),
-            unit: "-".to_owned(),
-            value: 1.0,
-            std_error: 0.1,
-            corrected_std_error: 0.1,
-            systematic_std: 0.0,
-            correction_std: 0.0,
-            systematic_parts: Vec::new(),
-            lower: 0.8,
-            upper: 1.2,
-            status,
-            converged_at_s: None,
-            observability: 1.0,
-            initial: 0.0,
-            prior_std: 1.0,
-            bounds: None,
-            truth: None,
-            nuisance: false,
-            readiness: None,
-        };
+        let result = |name: &str, status| ParameterResult { status, ..ParameterResult::for_tests(name) };
         let said = |effects: Vec<TermEffect>, status: FinalStatus| {
             let term = OfferedTerm {
                 coefficient: "CD".to_owned(),
