@@ -6,7 +6,7 @@ use phugoid_identification::estimation::{EstimationStatus, FinalStatus};
 use phugoid_identification::method::Method;
 use serde::Serialize;
 
-use super::trial::{Adoption, Compared, RealChange, Trial};
+use super::trial::{Adoption, Compared, RealChange, Trial, is_constant};
 use super::truth::Kind;
 use super::watch::Alarm;
 use crate::statistics::{poisson, quantile};
@@ -192,8 +192,7 @@ impl FoundChanges {
                 return (trial.word.says_trim_shift || !adoption.changed.is_empty())
                     .then_some(trial.word.says_trim_shift);
             }
-            let is_derivative = |name: &&String| !name.ends_with("_0") && !name.starts_with("offset");
-            adoption.changed.iter().find(is_derivative).map(|name| change.parameters.contains(name))
+            adoption.changed.iter().find(|name| !is_constant(name)).map(|name| change.parameters.contains(name))
         };
         let dated = || first.iter().filter_map(|(_, change, adoption)| adoption.is_dated_rightly(change));
         let intervals = first.iter().filter_map(|(_, _, adoption)| adoption.interval_s);

@@ -165,8 +165,9 @@ impl RealChange {
     }
 }
 
-fn is_constant(name: &str) -> bool {
-    name.ends_with("_0")
+/// Whether a parameter is a constant of a coefficient, by its name.
+pub(super) fn is_constant(name: &str) -> bool {
+    name.ends_with("_0") || name.starts_with("offset")
 }
 
 /// What one method made of one flight.

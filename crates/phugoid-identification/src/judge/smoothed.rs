@@ -120,7 +120,7 @@ mod tests {
         };
         let motion = |k: usize| (0.12 * k as f64).sin();
         let raw: Vec<f64> = (0..1500).map(|k| motion(k) + 0.01 * white()).collect();
-        // A moving mean, three times, forwards and backwards alike.
+        // A moving mean about each value, four times: nothing comes later.
         let mut smoothed = raw.clone();
         for _ in 0..4 {
             smoothed = smoothed.windows(13).map(|w| w.iter().sum::<f64>() / 13.0).collect();
