@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use phugoid_identification::estimation::{EstimationStatus, FinalStatus};
+use phugoid_identification::estimation::EstimationStatus;
 use phugoid_identification::method::Method;
 use serde::Serialize;
 
@@ -49,7 +49,7 @@ pub struct GroupSummary {
 impl GroupSummary {
     /// The numbers of these trials, which have method and kind in common. NaN where there is nothing to count.
     pub fn of(name: &str, kind: Kind, method: Method, trials: &[&Trial]) -> Self {
-        let given: Vec<&Compared> = trials.iter().filter(|t| t.is_given()).flat_map(|t| &t.parameters).collect();
+        let given: Vec<&Compared> = trials.iter().flat_map(|t| t.given()).collect();
         let part = |count: usize| count as f64 / given.len() as f64;
         let errors: Vec<f64> = given
             .iter()
@@ -63,7 +63,7 @@ impl GroupSummary {
             *reasons.entry(reason.clone()).or_insert(0) += 1;
         }
         let wrong: Vec<&&Trial> = trials.iter().filter(|t| t.silently_wrong() > 0).collect();
-        let claimed = trials.iter().filter(|t| t.is_silent()).flat_map(|t| &t.parameters);
+        let claimed = trials.iter().flat_map(|t| t.claimed()).count();
         Self {
             name: name.to_owned(),
             kind,
@@ -76,7 +76,7 @@ impl GroupSummary {
             error_median: quantile(errors.clone(), 0.5),
             error_90_percent: quantile(errors, 0.9),
             coverage: part(given.iter().filter(|p| p.is_covered()).count()),
-            claimed: part(claimed.filter(|p| p.status == FinalStatus::Converged).count()),
+            claimed: part(claimed),
             silently_wrong: part(trials.iter().map(|t| t.silently_wrong()).sum()),
             flights_silently_wrong: wrong.len(),
             of_those_remarked: wrong.iter().filter(|t| !t.word.remarks.is_empty()).count(),
@@ -114,7 +114,7 @@ impl ConsistencySummary {
     pub fn of(method: Method, trials: &[&Trial]) -> Self {
         let healthy = || trials.iter().filter(|t| t.kind == Kind::Sound && t.change.is_none());
         let found: Vec<_> = healthy().filter_map(|t| t.consistency.as_ref()).collect();
-        let errors = healthy().filter(|t| t.is_given()).flat_map(|t| &t.parameters).map(Compared::error_squared);
+        let errors = healthy().flat_map(|t| t.given()).map(Compared::error_squared);
         Self {
             method,
             flights: found.len(),
@@ -160,7 +160,7 @@ pub struct FoundChanges {
     pub of_half: usize,
     /// See `of_half`.
     pub of_half_found: usize,
-    /// Flights whose change was not found and whose result stands without a warning.
+    /// Flights whose change was not found, and what it changed stands without a warning.
     pub missed_unwarned: usize,
     /// Flights with an adoption before it.
     pub early: usize,
@@ -203,7 +203,7 @@ impl FoundChanges {
             found: first.len(),
             of_half: changed().filter(|(_, c)| c.is_of_half()).count(),
             of_half_found: first.iter().filter(|(_, c, _)| c.is_of_half()).count(),
-            missed_unwarned: missed().filter(|(t, _)| t.word.standing == EstimationStatus::Sound).count(),
+            missed_unwarned: missed().filter(|(t, change)| t.is_silent_of(change)).count(),
             early: changed().filter(|(t, c)| t.adoptions.kept().any(|a| a.is_before(c))).count(),
             latency_median_s: quantile(first.iter().map(|(_, c, a)| a.time_s - c.time_s).collect(), 0.5),
             dated: dated().count(),
@@ -298,7 +298,7 @@ impl WatchSummary {
 
 #[cfg(test)]
 mod tests {
-    use phugoid_identification::estimation::ChangeOutcome;
+    use phugoid_identification::estimation::{ChangeOutcome, FinalStatus};
 
     use super::super::standing::Word;
     use super::super::trial::{Adoptions, Consistency};
@@ -334,31 +334,40 @@ mod tests {
             std_error: 0.01,
             systematic_std: 0.0,
             status: FinalStatus::Converged,
+            is_taken_back: false,
         }
+    }
+
+    /// What an estimation makes of a derivative that its doubts concern.
+    fn in_doubt(error: f64) -> Compared {
+        Compared { status: FinalStatus::InDoubt, ..off_by(error) }
     }
 
     #[test]
     fn errors_are_counted_where_numbers_are_given_and_silence_where_no_warning_is() {
         let mut remarked = trial(EstimationStatus::Sound, vec![off_by(0.1), off_by(0.0)]);
         remarked.word.remarks.push("coloured".to_owned());
-        let mut refused = trial(EstimationStatus::Refused, vec![off_by(5.0)]);
+        let mut refused = trial(EstimationStatus::Refused, vec![in_doubt(5.0)]);
         refused.word.reasons.push("contradiction".to_owned());
+        // A term is missing: one derivative is taken back for it, and the other stands.
+        let bent = Compared { is_taken_back: true, ..in_doubt(7.0) };
         let trials = [
             trial(EstimationStatus::Sound, vec![off_by(0.015), off_by(0.03), off_by(f64::NAN)]),
             remarked,
-            trial(EstimationStatus::Doubtful, vec![off_by(0.5)]),
+            trial(EstimationStatus::Doubtful, vec![in_doubt(0.5)]),
+            trial(EstimationStatus::Doubtful, vec![bent, off_by(0.01)]),
             refused,
         ];
         let all: Vec<&Trial> = trials.iter().collect();
         let s = GroupSummary::of("all", Kind::Sound, Method::Smpe, &all);
-        assert_eq!((s.flights, s.refused, s.doubtful, s.derivatives), (4, 1, 1, 6));
+        assert_eq!((s.flights, s.refused, s.doubtful, s.derivatives), (5, 1, 2, 7));
         assert_eq!(s.reasons["contradiction"], 1);
-        // Errors of what is given: 0, 0.015, 0.03, 0.1, 0.5 and not finite.
+        // Errors of what is given: 0, 0.01, 0.015, 0.03, 0.1, 0.5 and not finite.
         assert!((s.error_median - 0.03).abs() < 1e-12 && s.error_90_percent.is_infinite(), "{s:?}");
-        assert!((s.coverage - 2.0 / 6.0).abs() < 1e-12, "{s:?}");
+        assert!((s.coverage - 3.0 / 7.0).abs() < 1e-12, "{s:?}");
         // The doubtful flight has said so.
-        assert!((s.claimed - 5.0 / 6.0).abs() < 1e-12, "{s:?}");
-        assert!((s.silently_wrong - 2.0 / 6.0).abs() < 1e-12, "{s:?}");
+        assert!((s.claimed - 6.0 / 7.0).abs() < 1e-12, "{s:?}");
+        assert!((s.silently_wrong - 2.0 / 7.0).abs() < 1e-12, "{s:?}");
         assert_eq!((s.flights_silently_wrong, s.of_those_remarked), (2, 1));
     }
 

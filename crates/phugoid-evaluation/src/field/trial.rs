@@ -2,7 +2,9 @@
 
 use phugoid_flight_data::record::Record;
 use phugoid_identification::estimate::{EstimateOptions, StructureSearch, estimate};
-use phugoid_identification::estimation::{ChangeOutcome, Estimation, EstimationStatus, EventKind, FinalStatus};
+use phugoid_identification::estimation::{
+    ChangeOutcome, Estimation, EstimationStatus, EventKind, FinalStatus, is_in_part,
+};
 use phugoid_identification::method::Method;
 use phugoid_identification::model_file::ModelFile;
 use serde::Serialize;
@@ -33,6 +35,8 @@ pub struct Compared {
     pub systematic_std: f64,
     /// What the estimation says of the parameter.
     pub status: FinalStatus,
+    /// Whether the estimation takes this value back and leaves others standing, because the model lacks a term.
+    pub is_taken_back: bool,
 }
 
 impl Compared {
@@ -204,19 +208,26 @@ pub struct Trial {
 }
 
 impl Trial {
-    /// Whether there are numbers that the user may take.
-    pub fn is_given(&self) -> bool {
-        self.word.standing != EstimationStatus::Refused
+    /// The numbers that the user may take, after a look at the doubts if there are any.
+    pub fn given(&self) -> impl Iterator<Item = &Compared> {
+        let is_given = self.word.standing != EstimationStatus::Refused;
+        self.parameters.iter().filter(move |p| is_given && !p.is_taken_back)
     }
 
-    /// Whether the user is told neither to look first nor to leave the numbers.
-    pub fn is_silent(&self) -> bool {
-        matches!(self.word.standing, EstimationStatus::Sound | EstimationStatus::Provisional)
+    /// The derivatives that are called converged: none where a doubt concerns them.
+    pub fn claimed(&self) -> impl Iterator<Item = &Compared> {
+        self.parameters.iter().filter(|p| p.status == FinalStatus::Converged)
     }
 
     /// The derivatives that are wrong, called converged, and without a warning.
     pub fn silently_wrong(&self) -> usize {
-        if self.is_silent() { self.parameters.iter().filter(|p| p.is_wrong()).count() } else { 0 }
+        self.claimed().filter(|p| p.is_wrong()).count()
+    }
+
+    /// Whether nothing is said against what a change has left of the parameters that it changed.
+    pub fn is_silent_of(&self, change: &RealChange) -> bool {
+        let is_changed = |p: &Compared| change.parameters.contains(&p.name);
+        self.word.standing == EstimationStatus::Sound || self.claimed().any(is_changed)
     }
 }
 
@@ -263,8 +274,8 @@ impl Flight {
             },
         };
         trial.hours = record.time.first().zip(record.time.last()).map_or(0.0, |(a, b)| (b - a) / 3600.0);
-        // Looking for terms changes no number and none of the words that take numbers back.
-        let options = EstimateOptions { structure: StructureSearch::Never, ..options.clone() };
+        // As `phugoid estimate` does by default.
+        let options = EstimateOptions { structure: StructureSearch::Offer, ..options.clone() };
         match estimate(record, &model, &options, &mut |_| {}) {
             Err(error) => trial.word = refusal(&error),
             Ok(estimation) => {
@@ -302,6 +313,8 @@ fn consistency(estimation: &Estimation) -> Option<Consistency> {
 /// The derivatives that count, at the end of the flight.
 fn compared(estimation: &Estimation, truth: &Truth) -> Vec<Compared> {
     let counting = truth.at_end().iter().filter(|(_, p)| p.counts());
+    let against = || estimation.reasons.iter().filter(|reason| reason.status >= EstimationStatus::Doubtful);
+    let in_part = is_in_part(&estimation.reasons);
     counting
         .filter_map(|(name, p)| {
             let found = estimation.parameter(name)?;
@@ -313,6 +326,7 @@ fn compared(estimation: &Estimation, truth: &Truth) -> Vec<Compared> {
                 std_error: found.corrected_std_error,
                 systematic_std: found.systematic_std,
                 status: found.status,
+                is_taken_back: in_part && against().any(|reason| reason.puts_in_doubt(name)),
             })
         })
         .collect()
@@ -361,6 +375,7 @@ mod tests {
             std_error,
             systematic_std: 0.0,
             status,
+            is_taken_back: false,
         }
     }
 

@@ -1,11 +1,16 @@
-//! Terms that the residuals ask for, on simulated flights of the F-16.
+//! Terms that the residuals ask for, on simulated flights of the F-16 and on one of another simulator.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // tests and benches may
 
+use std::path::Path;
+
 use phugoid_evaluation::monte_carlo::monte_carlo;
 use phugoid_evaluation::published::{DAMAGE_MODEL, GUST_MODEL};
+use phugoid_flight_data::record::Record;
 use phugoid_identification::estimate::{EstimateOptions, Method, StructureSearch, estimate, with_offered};
-use phugoid_identification::estimation::{Estimation, Offer, OfferedTerm};
+use phugoid_identification::estimation::{
+    Estimation, EstimationStatus, FinalStatus, Offer, OfferedTerm, ReasonCode, is_in_part,
+};
 use phugoid_identification::model_file::ModelFile;
 use phugoid_simulation::flight::fly;
 use phugoid_simulation::scenario::{Scenario, built_in};
@@ -263,4 +268,35 @@ fn counts(offers: &[Option<Offer>]) -> (usize, usize) {
 /// Flights of a line; `RUNS` for more.
 fn runs(standard: usize) -> usize {
     std::env::var("RUNS").ok().and_then(|text| text.parse().ok()).unwrap_or(standard)
+}
+
+/// A flight of JSBSim's `F80C` (`scripts/field/make.py`, strangers, `calm-short`), whose elevator makes half of the motion of its drag. A model without that
+/// contradicts the flight and was refused as a whole; its lift and its pitching moment are right with and without the term.
+#[test]
+fn a_term_that_is_missing_in_the_drag_leaves_lift_and_moment_standing() {
+    let tests = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/offer");
+    let model = ModelFile::open(tests.join("f80c-longitudinal.toml")).unwrap();
+    let record = Record::open(tests.join("f80c-calm-short.csv")).unwrap();
+    let with = |structure| {
+        let options = EstimateOptions { structure, ..EstimateOptions::default() };
+        estimate(&record, &model, &options, &mut |_| ()).unwrap()
+    };
+    let alone = with(StructureSearch::Never);
+    assert!(alone.reasons.iter().any(|reason| reason.code == ReasonCode::Contradiction), "{:?}", alone.verdict);
+    assert!(alone.parameters.iter().all(|p| p.status != FinalStatus::Converged));
+
+    let offered = with(StructureSearch::Offer);
+    assert_eq!(offered.status, EstimationStatus::Doubtful, "{:?}", offered.verdict);
+    assert!(is_in_part(&offered.reasons), "{:?}", offered.reasons);
+    let concerns = &offered.reasons[0].concerns;
+    assert!(["CD_0", "CD_alpha", "CD_alpha2"].iter().all(|name| concerns.iter().any(|c| c == name)), "{concerns:?}");
+    for (name, truth) in [("CL_alpha", 2.864), ("Cm_alpha", -0.2645), ("Cm_q", -27.05), ("Cm_elevator", -0.5488)] {
+        let p = offered.parameter(name).unwrap();
+        assert_eq!(p.status, FinalStatus::Converged, "{p:?}");
+        assert!((p.value - truth).abs() < 2.0 * p.corrected_std_error, "{p:?}");
+        // The numbers stay those of the model as it was given.
+        assert!((p.value - alone.parameter(name).unwrap().value).abs() < 1e-12);
+    }
+    assert!(offered.parameters.iter().all(|p| p.name.starts_with("CD_") <= (p.status != FinalStatus::Converged)));
+    assert_eq!(with(StructureSearch::Auto).status, EstimationStatus::Sound);
 }

@@ -13,7 +13,7 @@ pub use phugoid_estimators::{ChangeState, ParameterStatus, Phase};
 
 use super::method::Method;
 use super::options::Opens;
-pub use super::soundness::{EstimationStatus, ReasonCode, VerdictReason, headline, status_of};
+pub use super::soundness::{EstimationStatus, ReasonCode, VerdictReason, headline, is_in_part, status_of};
 use super::systematic::in_words;
 pub use super::systematic::{SystematicPart, UncertainQuantity, UncertaintyUnit};
 use crate::batch::{BandUsed, Equation, OutputFit, Unknown};
@@ -425,12 +425,15 @@ pub enum ChangeOutcome {
     /// It was adopted in flight, and taken back when the whole record was looked at again: the record is not predicted
     /// better with it. The results are those without it. A live session does not look again.
     WithdrawnAfterwards,
+    /// With a term that the model lacks ([`ReasonCode::MissingTerm`]) there is no change, and the record is predicted better: it is
+    /// none of the aircraft. The results are those after it all the same.
+    ExplainedByTerm,
 }
 
 impl ChangeOutcome {
-    /// Whether the change was not taken back: the results are those after it.
+    /// Whether it counts as a change of the aircraft: it was neither taken back nor explained by a missing term.
     pub const fn stands(self) -> bool {
-        !matches!(self, Self::RolledBack | Self::WithdrawnAfterwards)
+        !matches!(self, Self::RolledBack | Self::WithdrawnAfterwards | Self::ExplainedByTerm)
     }
 }
 

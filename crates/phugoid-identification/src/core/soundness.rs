@@ -16,7 +16,8 @@ pub enum EstimationStatus {
     /// Nothing speaks against the result, but the flight does not settle it: nothing moved, no parameter converged, or
     /// the record ends while a change is suspected.
     Provisional,
-    /// Something is implausible. No parameter is called converged before the user has looked at the reasons.
+    /// Something is implausible. No parameter is called converged before the user has looked at the reasons; where a term is
+    /// missing ([`ReasonCode::MissingTerm`]) and nothing else is wrong, none of those that it bends.
     Doubtful,
     /// The numbers are wrong, or nothing shows that they are right: neither they nor their bounds may be used.
     Refused,
@@ -86,7 +87,9 @@ pub enum ReasonCode {
     /// A method of another kind gives another value: equation error beside a filter, output error or filter error, SMPE beside
     /// equation error.
     MethodsDisagree,
-    /// A term is missing in one coefficient, and with it values of other coefficients move far beyond their errors.
+    /// A term is missing: with it the motion no longer contradicts the model, or values of other coefficients than its own move
+    /// far beyond their errors. Only the parameters that the reason concerns are in doubt: the others are the same with the term
+    /// and without it.
     MissingTerm,
     /// A reason that this version does not know.
     #[serde(other)]
@@ -145,7 +148,7 @@ impl ReasonCode {
             Self::ChangeInDoubt => "a change is suspected at the end",
             Self::NotConstant => "the aircraft changes during the flight",
             Self::MethodsDisagree => "another method gives another value",
-            Self::MissingTerm => "a missing term bends other values",
+            Self::MissingTerm => "the model lacks a term",
             Self::Other => "see the reasons",
         }
     }
@@ -171,9 +174,23 @@ pub struct VerdictReason {
     pub sentence: String,
 }
 
+impl VerdictReason {
+    /// Whether the reason, refused or doubtful, is one against a parameter: a missing term is one against those that it
+    /// concerns, anything else against all.
+    pub fn puts_in_doubt(&self, parameter: &str) -> bool {
+        self.code != ReasonCode::MissingTerm || self.concerns.iter().any(|name| name == parameter)
+    }
+}
+
 /// The severest status that the reasons ask for; [`EstimationStatus::Sound`] without one.
 pub fn status_of(reasons: &[VerdictReason]) -> EstimationStatus {
     reasons.iter().map(|reason| reason.status).max().unwrap_or_default()
+}
+
+/// Whether only some of the parameters are in doubt: nothing but a missing term speaks against the result.
+pub fn is_in_part(reasons: &[VerdictReason]) -> bool {
+    let mut against = reasons.iter().filter(|reason| reason.status >= EstimationStatus::Doubtful).peekable();
+    against.peek().is_some() && against.all(|reason| reason.code == ReasonCode::MissingTerm)
 }
 
 /// The first sentence of the verdict on a refused or doubtful result; `None` for others.
@@ -195,6 +212,9 @@ pub fn headline(reasons: &[VerdictReason]) -> Option<String> {
     let status = status_of(reasons);
     let (word, advice) = match status {
         EstimationStatus::Refused => ("REFUSED", "Use neither these numbers nor their bounds."),
+        EstimationStatus::Doubtful if is_in_part(reasons) => {
+            ("DOUBTFUL", "Use only what is called converged, or estimate with the term.")
+        }
         EstimationStatus::Doubtful => {
             ("DOUBTFUL", "Settle what is named below before you use these numbers or their bounds.")
         }

@@ -6,6 +6,7 @@ mod attitude;
 pub(crate) mod both_sides;
 mod constancy;
 mod contradiction;
+mod disputed;
 mod effective;
 mod equations;
 mod explained;

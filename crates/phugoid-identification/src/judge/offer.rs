@@ -7,6 +7,7 @@
 //! equations, and what was measured.
 
 mod candidate;
+mod missing;
 mod rate_of_alpha;
 mod selection;
 
@@ -20,8 +21,7 @@ use crate::batch::{
 };
 use crate::core::error::EstimateError;
 use crate::core::estimation::{
-    Estimation, EstimationStatus, FinalStatus, ModelLine, Offer, OfferCriterion, OfferedTerm, ParameterResult,
-    ReasonCode, ResidualLevel, TermEffect, VerdictReason,
+    Estimation, ModelLine, Offer, OfferCriterion, OfferedTerm, ParameterResult, ResidualLevel, TermEffect,
 };
 use crate::core::number::significant;
 use crate::core::options::{CAPACITY, Likelihood, capacity};
@@ -35,6 +35,7 @@ use crate::preparation::prepare::prepare;
 use crate::preparation::prepared::Prepared;
 pub(crate) use candidate::round_up;
 use candidate::{Candidate, candidates, with_terms};
+pub(crate) use missing::{Found, Missing, missing};
 pub(crate) use rate_of_alpha::{found as found_rate_of_alpha, with_rate_of_alpha};
 use selection::{Criterion, Regression, Trial};
 
@@ -298,50 +299,6 @@ pub(crate) fn confirm(offer: &mut Offer, with: &Estimation) -> bool {
     all
 }
 
-/// Claimed standard errors by which a value of another coefficient than that of a missing term has to move with it.
-const BENT: f64 = 4.0;
-
-/// The doubt about values that a missing term bends, though it is one of another coefficient: what it makes of the motion is then
-/// put down to them. With the term they come out right on flights of another simulator (docs/methods.md), so that the values and
-/// bounds without it are wrong. What moves in the coefficient of the term itself is no error: without it, its derivatives mean
-/// something else.
-pub(crate) fn doubt(offer: &Offer, parameters: &[ParameterResult], file: &ModelFile) -> Option<VerdictReason> {
-    let is_own = |name: &str| {
-        let of = file.parameters.iter().find(|p| p.name == name).and_then(coefficient);
-        of.is_none_or(|of| offer.missing().any(|term| term.coefficient == of.symbol()))
-    };
-    let is_claimed = |name: &str| {
-        let found = parameters.iter().find(|p| p.name == name);
-        found.is_some_and(|p| matches!(p.status, FinalStatus::Converged | FinalStatus::Improving))
-    };
-    let bent: Vec<(&TermEffect, f64, f64)> = offer
-        .effects
-        .iter()
-        .filter(|e| !is_own(&e.parameter) && is_claimed(&e.parameter))
-        .filter_map(|e| e.before.zip(e.before_std).map(|(before, std)| (e, before, std)))
-        .filter(|(e, before, std)| (e.after - before).abs() > BENT * std)
-        .collect();
-    let list: Vec<String> = bent
-        .iter()
-        .map(|(e, before, std)| {
-            let errors = (e.after - before).abs() / std;
-            let [before, after] = [*before, e.after].map(|v| significant(v, DIGITS));
-            format!("{} {before} -> {after} ({errors:.1} of its errors)", e.parameter)
-        })
-        .collect();
-    (!bent.is_empty()).then(|| VerdictReason {
-        code: ReasonCode::MissingTerm,
-        status: EstimationStatus::Doubtful,
-        concerns: bent.iter().map(|(e, ..)| e.parameter.clone()).collect(),
-        sentence: format!(
-            "The model lacks {}, and what that makes of the motion is put down to other coefficients. With it they move: {}. \
-             Estimate with the term (--structure auto, or the lines for the model file below).",
-            missing_in_words(offer),
-            list.join(", ")
-        ),
-    })
-}
-
 /// Writes into an offer what its terms do to the estimates, and the lines for the model file. `before` is none where the
 /// method found no estimate without them.
 pub(crate) fn complete(
@@ -399,7 +356,7 @@ fn lines(offer: &Offer, file: &ModelFile, with: &ModelFile) -> Vec<ModelLine> {
 /// The missing terms and their coefficients, in words.
 pub(crate) fn missing_in_words(offer: &Offer) -> String {
     let words: Vec<String> = offer.missing().map(|t| format!("{} in {}", t.term, t.coefficient)).collect();
-    words.join(", and for ")
+    words.join(", and ")
 }
 
 /// What an offer has to say of a term that the method itself was tried with, beside how terms are tried on the equations of motion;
@@ -466,59 +423,4 @@ pub(crate) fn sentence(offer: &Offer) -> Option<String> {
              tried; --structure auto takes them in."
         )
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_missing_term_is_a_doubt_where_it_bends_values_of_other_coefficients() {
-        let file = ModelFile::named("hfb320").unwrap();
-        let effect = |parameter: &str, after: f64| TermEffect {
-            parameter: parameter.to_owned(),
-            before: Some(1.0),
-            before_std: Some(0.1),
-            after,
-            after_std: 0.1,
-        };
-        let [of_lift, of_drag] = ["CL_alpha", "CD_0"];
-        assert!([of_lift, of_drag].iter().all(|name| file.parameters.iter().any(|p| p.name == *name)));
-        let result = |name: &str, status| ParameterResult { status, ..ParameterResult::for_tests(name) };
-        let said = |effects: Vec<TermEffect>, status: FinalStatus| {
-            let term = OfferedTerm {
-                coefficient: "CD".to_owned(),
-                term: "elevator".to_owned(),
-                input: None,
-                parameter: "CD_elevator".to_owned(),
-                value: 0.1,
-                std_error: 0.01,
-                partial_f: 100.0,
-                share: Some(0.1),
-                excess: None,
-                asked_for: true,
-                prior_std: 1.0,
-            };
-            let criterion = OfferCriterion { partial_f: 42.0, share: 0.04, excess: 0.1 };
-            let offer = Offer {
-                tried: 1,
-                criterion,
-                levels: Vec::new(),
-                terms: vec![term],
-                effects,
-                lines: Vec::new(),
-                taken: false,
-                reference_speed: 100.0,
-            };
-            doubt(&offer, &[result(of_lift, status), result(of_drag, status)], &file)
-        };
-        let found = said(vec![effect(of_lift, 1.5), effect(of_drag, 3.0)], FinalStatus::Converged).unwrap();
-        assert_eq!((found.code, found.concerns), (ReasonCode::MissingTerm, vec![of_lift.to_owned()]));
-        assert!(
-            found.sentence.contains("lacks elevator in CD")
-                && found.sentence.contains("CL_alpha 1.000 -> 1.500 (5.0 of")
-        );
-        assert!(said(vec![effect(of_lift, 1.3), effect(of_drag, 3.0)], FinalStatus::Converged).is_none());
-        assert!(said(vec![effect(of_lift, 1.5)], FinalStatus::NotExcited).is_none());
-    }
 }

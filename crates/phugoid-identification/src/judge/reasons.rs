@@ -12,7 +12,9 @@ use crate::core::estimation::{
 use crate::core::method::Method;
 use crate::judge::contradiction::{self, Unsettled};
 use crate::judge::equations::Equations;
-use crate::judge::{agreement, attitude, constancy, explained, fit, input_noise, integrity, physics, smoothed};
+use crate::judge::{
+    agreement, attitude, constancy, disputed, explained, fit, input_noise, integrity, physics, smoothed,
+};
 use crate::methods::{Run, Task};
 use crate::model_file::{ModelFile, Role};
 use crate::motion::Motion;
@@ -52,6 +54,7 @@ pub(crate) fn reasons<M: Motion<N, R>, const N: usize, const R: usize>(
         found.extend(run.batch.iter().flat_map(|report| fit::reasons(task.method(), task.file, history, report)));
         // Causal methods look for changes themselves.
         found.extend(run.batch.as_ref().and(equations).and_then(constancy::reason));
+        found.extend(disputed::reason(task.file, run));
         let method = task.method();
         let is_constant = |name: &str| task.file.estimated().any(|p| p.name == name && p.role.is_constant());
         let against = |answer| agreement::reason(method, parameters, answer, is_constant);
@@ -113,10 +116,12 @@ fn learnt_groups(file: &ModelFile, parameters: &[ParameterResult]) -> Vec<Group>
         .collect()
 }
 
-/// Takes "converged" from every parameter of a result that is not to be used, and from its readiness.
+/// Takes "converged" from the parameters that are not to be used, and from their readiness: from those that a missing term
+/// concerns, and from all of them for any other reason.
 pub(crate) fn demote(parameters: &mut [ParameterResult], reasons: &[VerdictReason]) {
-    let Some(worst) = reasons.first().filter(|reason| reason.status >= EstimationStatus::Doubtful) else { return };
+    let against = || reasons.iter().filter(|reason| reason.status >= EstimationStatus::Doubtful);
     for parameter in parameters.iter_mut() {
+        let Some(worst) = against().find(|reason| reason.puts_in_doubt(&parameter.name)) else { continue };
         if parameter.status == FinalStatus::Converged {
             parameter.status = FinalStatus::InDoubt;
         }

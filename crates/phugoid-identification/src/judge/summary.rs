@@ -7,13 +7,14 @@ use phugoid_flight_data::record::Record;
 use crate::core::axes::Axes;
 use crate::core::correlation::correlation;
 use crate::core::estimation::{
-    AdoptedChange, ChangedParameter, Estimation, FinalStatus, History, OutputConsistency, ParameterHistory,
-    ParameterResult, Signal, VerdictReason, status_of,
+    AdoptedChange, ChangeOutcome, ChangedParameter, Estimation, FinalStatus, History, OutputConsistency,
+    ParameterHistory, ParameterResult, Signal, status_of,
 };
 use crate::core::options::{EstimateOptions, Opens};
 use crate::core::output::Output;
 use crate::judge::effective::{effective, sentence};
 use crate::judge::equations::Equations;
+use crate::judge::offer::Missing;
 use crate::judge::readiness::readiness;
 use crate::judge::reasons::{demote, reasons};
 use crate::judge::total::totals;
@@ -22,13 +23,13 @@ use crate::methods::{ColumnRun, EveryRoom, Run, RunChange, Task};
 use crate::model_file::{ModelFile, Parameter};
 use crate::motion::Motion;
 
-/// The result of a run. `further`: a reason against it that is known from elsewhere.
+/// The result of a run. `missing`: what is known of a term that the model lacks.
 pub(crate) fn summarise<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     record: &Record,
     task: &Task<M, N, R>,
     run: &Run<R>,
     doubts: &[Doubt],
-    further: Option<VerdictReason>,
+    missing: Option<Missing>,
 ) -> Estimation {
     let Task { prepared, file, options, noise, .. } = *task;
     let columns = columns(file);
@@ -54,10 +55,17 @@ pub(crate) fn summarise<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     let effective = effective(&mut parameters, &correlation, file);
     let equations = if run.excited { Equations::of(task, run) } else { None };
     let mut reasons = reasons(task, record, &parameters, &correlation, run, doubts, &history, equations.as_ref());
-    reasons.extend(further);
+    let mut changes = changes(&columns, run);
+    if let Some(Missing { reason, explains, explains_changes }) = missing {
+        for change in changes.iter_mut().filter(|change| explains_changes.contains(&change.time_s)) {
+            change.outcome = ChangeOutcome::ExplainedByTerm;
+        }
+
+        reasons.retain(|reason| !explains.contains(&reason.code));
+        reasons.push(reason);
+    }
     reasons.sort_by_key(|reason| std::cmp::Reverse(reason.status));
     demote(&mut parameters, &reasons);
-    let changes = changes(&columns, run);
     let totals = totals(prepared, file, &parameters);
     let mut verdict = verdict(task, &parameters, &correlation, run, &reasons, &history, &changes);
     if run.excited {

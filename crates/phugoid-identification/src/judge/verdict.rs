@@ -302,6 +302,12 @@ const CHANGED: f64 = 3.0;
 /// What changed, from what to what, and what else could explain it.
 fn before_and_after(change: &AdoptedChange, contradicted: bool) -> String {
     let time_s = change.time_s;
+    if change.outcome == ChangeOutcome::ExplainedByTerm {
+        return format!(
+            "A change of the parameters was adopted at {time_s:.2} s, and is none: with what the model lacks it is not found, and \
+             the record is predicted better."
+        );
+    }
     if !change.outcome.stands() {
         let why = if change.outcome == ChangeOutcome::WithdrawnAfterwards {
             "when the whole record was looked at again: it is not predicted better with the change"
@@ -354,7 +360,10 @@ fn before_and_after(change: &AdoptedChange, contradicted: bool) -> String {
              yet predicted better for long enough."
         }
         ChangeOutcome::FoundAfterwards => " It was found when the whole record was looked at again, not in flight.",
-        ChangeOutcome::Confirmed | ChangeOutcome::RolledBack | ChangeOutcome::WithdrawnAfterwards => "",
+        ChangeOutcome::Confirmed
+        | ChangeOutcome::RolledBack
+        | ChangeOutcome::WithdrawnAfterwards
+        | ChangeOutcome::ExplainedByTerm => "",
     };
     let when = change
         .interval_s

@@ -104,6 +104,7 @@ pub(super) fn run_batch<M: MotionModel<N, R, CAPACITY>, const N: usize, const R:
         health: None,
         batch: Some(report(&fit, equations, prediction)),
         second_answer,
+        disputed: None,
         follows_constants: systematic.is_some(),
     };
     progress(1.0);

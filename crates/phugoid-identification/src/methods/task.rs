@@ -46,8 +46,33 @@ pub(crate) struct Run<const R: usize> {
     pub(crate) batch: Option<BatchReport>,
     /// The parameters by another method; `None` where it gives none.
     pub(crate) second_answer: Option<SecondAnswer>,
+    /// A change that was not believed when the record was looked at again; `None` where there is none with much evidence.
+    pub(crate) disputed: Option<Disputed>,
     /// True if errors of the declared constants were followed, false if they are carried by the powers of the scales.
     pub(crate) follows_constants: bool,
+}
+
+/// A moment at which a record asks for other parameters, though none of them shows that the aircraft changed.
+#[derive(Clone, Debug)]
+pub(crate) struct Disputed {
+    /// The moment, s.
+    pub(crate) time_s: f64,
+    /// How much better the record is predicted with the parameters opened there, nats.
+    pub(crate) gain: f64,
+    /// The values with them opened there, and their corrected standard errors, by column; none for one that is not settled then.
+    pub(crate) opened: Vec<Option<[f64; 2]>>,
+}
+
+impl<const R: usize> Run<R> {
+    /// Logarithm of the density that the run gave to the record, sample by sample before it saw it, nats; zero of a batch method.
+    pub(crate) fn evidence(&self) -> f64 {
+        self.evidence_from(0)
+    }
+
+    /// The same of the samples from this one on.
+    pub(crate) fn evidence_from(&self, sample: usize) -> f64 {
+        self.log_density.iter().skip(sample).flatten().filter(|nats| nats.is_finite()).sum()
+    }
 }
 
 /// An adopted change: value and corrected standard error by column before and after it.

@@ -5,12 +5,13 @@ use phugoid_flight_data::record::Record;
 use crate::batch::BatchError;
 use crate::core::axes::Axes;
 pub use crate::core::error::EstimateError;
-use crate::core::estimation::{Estimation, Offer, VerdictReason};
+use crate::core::estimation::{Estimation, Offer};
 use crate::core::health::HealthOptions;
 pub use crate::core::options::{CAPACITY, EstimateOptions, KnownChange, Method, Opens, StructureSearch, capacity};
 use crate::core::stack::on_a_large_stack;
 use crate::judge::offer::{
-    complete, confirm, doubt, found_rate_of_alpha, missing_in_words, search, sentence, with_rate_of_alpha,
+    Found, Missing, complete, confirm, found_rate_of_alpha, missing, missing_in_words, search, sentence,
+    with_rate_of_alpha,
 };
 pub use crate::judge::offer::{tried_by_the_method, with_offered};
 use crate::judge::summary::summarise;
@@ -128,7 +129,14 @@ fn pipeline_of<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     let taken = options.structure == StructureSearch::Auto && confirmed.is_some();
     let mut chosen = match (first, confirmed) {
         (_, Some(with)) if taken => with,
-        (Ok(first), _) => first,
+        (Ok(mut first), with) => {
+            let said =
+                offer.as_ref().and_then(|offer| missing(offer, first.found(), with.as_ref().map(Once::found), model));
+            if let Some(said) = said {
+                first.estimation = (first.with_missing)(said);
+            }
+            first
+        }
         (Err(error), None) => return Err(EstimateError::Batch(error)),
         (Err(error), Some(_)) => {
             let terms = offer.as_ref().map(missing_in_words).unwrap_or_default();
@@ -137,9 +145,6 @@ fn pipeline_of<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     };
     if let Some(mut offer) = offer {
         offer.taken = taken;
-        if !taken && let Some(reason) = doubt(&offer, &chosen.estimation.parameters, model) {
-            chosen.estimation = (chosen.with_reason)(reason);
-        }
         if let Some(sentence) = sentence(&offer) {
             // Beside the reasons against the result, of which a missing term is the most probable cause.
             let of_reason = |said: &String| chosen.estimation.reasons.iter().any(|reason| reason.sentence == *said);
@@ -198,11 +203,19 @@ fn by_the_method<'a>(
 /// One run of a method.
 struct Once<'a> {
     estimation: Estimation,
-    /// The same with one more reason against it.
-    with_reason: Box<dyn Fn(VerdictReason) -> Estimation + 'a>,
+    /// What the method has predicted of the record, nats.
+    evidence: f64,
+    /// The same, judged with what is known of a term that the model lacks.
+    with_missing: Box<dyn Fn(Missing) -> Estimation + 'a>,
     watched: Option<HealthRun>,
     /// The terms that the equations of motion ask for, not confirmed yet, if they are to be looked for.
     offer: Option<Offer>,
+}
+
+impl Once<'_> {
+    fn found(&self) -> Found<'_> {
+        Found { estimation: &self.estimation, evidence: self.evidence }
+    }
 }
 
 fn once<'a, M: EveryRoom<N, R> + 'a, const N: usize, const R: usize>(
@@ -230,11 +243,12 @@ fn once<'a, M: EveryRoom<N, R> + 'a, const N: usize, const R: usize>(
     let is_wanted = options.structure != StructureSearch::Never && run.excited;
     let offer = if is_wanted { search(record, &task)? } else { None };
     let options = options.clone();
-    let with_reason = Box::new(move |reason| {
+    let evidence = run.evidence();
+    let with_missing = Box::new(move |missing| {
         let task = Task { prepared: &prepared, file: &model, options: &options, noise: &noise, health: None };
-        summarise(record, &task, &run, &doubts, Some(reason))
+        summarise(record, &task, &run, &doubts, Some(missing))
     });
-    Ok(Once { estimation, with_reason, watched, offer })
+    Ok(Once { estimation, evidence, with_missing, watched, offer })
 }
 
 /// The terms that the equations of motion ask for, where the method itself gave nothing.

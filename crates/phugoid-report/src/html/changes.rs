@@ -42,6 +42,9 @@ fn one(estimation: &Estimation, change: &AdoptedChange) -> String {
         ChangeOutcome::WithdrawnAfterwards => {
             "Taken back when the whole record was looked at again: the record is not predicted better with it"
         }
+        ChangeOutcome::ExplainedByTerm => {
+            "No change of the aircraft: with the term that the model lacks there is none, and the record is predicted better"
+        }
     };
     let when = change.interval_s.map_or_else(String::new, |[from_s, to_s]| {
         format!(" It happened between {} and {} s.", fixed(from_s, 1), fixed(to_s, 1))

@@ -160,20 +160,21 @@ pub(super) fn reason<M: Motion<N, R>, const N: usize, const R: usize>(
 ) -> Option<VerdictReason> {
     let gravity = task.file.aircraft.gravity;
     let mut found: Vec<Finding> = air_data::findings(record).unwrap_or_default();
-    // With a bank angle the equations of the symmetric motion have further terms.
     let chord = task.file.aircraft.mean_chord;
-    let with = |names: &[&str], check: &dyn Fn(&Channels) -> Option<Vec<Finding>>| {
-        Channels::of(task.prepared, task.file, names).and_then(|channels| check(&channels)).unwrap_or_default()
-    };
+    let channels = |names: &[&str]| Channels::of(task.prepared, task.file, names);
     let known = task.prepared.surface_times.clone();
     let surfaces = known.unwrap_or_else(|| reaction::surfaces(task.prepared, task.file));
-    if !M::AXES.has_lateral() {
-        found.extend(with(&longitudinal::NAMES, &|channels| longitudinal::findings(channels, gravity)));
-        found.extend(with(&reactions::LONGITUDINAL, &|channels| reactions::longitudinal(channels, chord, &surfaces)));
+    // With a bank angle the equations of the symmetric motion have further terms.
+    let (by_kinematics, vane) = if M::AXES.has_lateral() {
+        let vane = channels(&reactions::LATERAL).and_then(|c| reactions::lateral(&c, chord, &surfaces));
+        (channels(&lateral::NAMES).and_then(|c| lateral::findings(&c, gravity)), vane)
     } else {
-        found.extend(with(&lateral::NAMES, &|channels| lateral::findings(channels, gravity)));
-        found.extend(with(&reactions::LATERAL, &|channels| reactions::lateral(channels, chord, &surfaces)));
-    }
+        let vane = channels(&reactions::LONGITUDINAL).and_then(|c| reactions::longitudinal(&c, chord, &surfaces));
+        (channels(&longitudinal::NAMES).and_then(|c| longitudinal::findings(&c, gravity)), vane)
+    };
+    let is_contradicted = |finding: &Finding| vane.as_ref().is_some_and(|vane| vane.contradicts(finding));
+    found.extend(by_kinematics.into_iter().flatten().filter(|finding| !is_contradicted(finding)));
+    found.extend(vane.and_then(|vane| vane.finding));
     found.extend(surfaces.iter().filter_map(|surface| reactions::surface(surface, task.prepared.hold)));
     blame_gyros(&mut found);
     if found.is_empty() {

@@ -7,7 +7,7 @@
 
 use phugoid_flight_data::statistics::median;
 
-use super::{Finding, What};
+use super::{Finding, LONG_S, What};
 use crate::model_file::InputHold;
 use crate::preparation::reaction::delay::SurfaceDelay;
 use crate::preparation::windows::SIGNIFICANT;
@@ -69,14 +69,44 @@ fn flow_angle(name: &'static str, delay: Delay, step_s: f64, ahead_s: f64) -> Op
     })
 }
 
-/// What is wrong with the time of a flow angle, by the force that it makes.
-fn vane<const C: usize>(
+/// What the force that a flow angle makes says of the time at which it was recorded.
+pub(super) struct Vane {
+    name: &'static str,
+    /// The delay by the straight line, where the equation explains the motion.
+    delay: Option<Delay>,
+    /// What is wrong with the time of the flow angle.
+    pub(super) finding: Option<Finding>,
+}
+
+/// Part of a long delay that has to lie outside of five standard errors of what the force shows.
+const FAR: f64 = 0.5;
+
+impl Vane {
+    fn of<const C: usize>(name: &'static str, force: &Causes<'_, C>, ahead_s: f64, surfaces: &[SurfaceDelay]) -> Self {
+        let delay = force.delay();
+        Self { name, delay, finding: named(name, force, delay, ahead_s, surfaces) }
+    }
+
+    /// Whether a finding is that the flow angle is late by far more than the force allows that it makes in gusts: the kinematics of
+    /// the other checks knows no gusts, and an aircraft that follows them slowly seems to have a late vane.
+    pub(super) fn contradicts(&self, finding: &Finding) -> bool {
+        let What::Late { late_s, .. } = finding.what else { return false };
+        let is_in_time = self.finding.is_none()
+            && self.delay.is_some_and(|Delay { late_s: by_force_s, std_s }| {
+                by_force_s.abs() + SIGNIFICANT * std_s < FAR * late_s
+            });
+        finding.channel == self.name && late_s >= LONG_S && is_in_time
+    }
+}
+
+/// What is wrong with the time of a flow angle, by the force that it makes. `short` is the delay by the straight line.
+fn named<const C: usize>(
     name: &'static str,
     force: &Causes<'_, C>,
+    short: Option<Delay>,
     ahead_s: f64,
     surfaces: &[SurfaceDelay],
 ) -> Option<Finding> {
-    let short = force.delay();
     let found = short.and_then(|delay| flow_angle(name, delay, force.step_s, ahead_s));
     // A force that comes before a surface which was recorded late looks like one that comes before the flow angle.
     let in_time = surfaces.iter().all(|delay| delay.late_s <= 0.0 || surface(delay, InputHold::Interpolated).is_none());
@@ -99,7 +129,7 @@ fn vane<const C: usize>(
 }
 
 /// The vane of the angle of attack. `chord` in m.
-pub(super) fn longitudinal(channels: &Channels, chord: f64, surfaces: &[SurfaceDelay]) -> Option<Vec<Finding>> {
+pub(super) fn longitudinal(channels: &Channels, chord: f64, surfaces: &[SurfaceDelay]) -> Option<Vane> {
     let [speed, alpha, q, elevator, az] = channels.values::<5>()?;
     let (time_s, step_s) = (channels.time_s.as_slice(), channels.step_s()?);
     let (pressure, relative) = scales(speed)?;
@@ -108,11 +138,11 @@ pub(super) fn longitudinal(channels: &Channels, chord: f64, surfaces: &[SurfaceD
     let lift = integral(time_s, az);
     let force = Causes { time_s, step_s, signal: &lift, others, late: 0, cause: alpha, pressure: &pressure };
     let ahead_s = CHORDS_AHEAD * chord / median(&mut speed.to_vec())?;
-    Some(vane("alpha", &force, ahead_s, surfaces).into_iter().collect())
+    Some(Vane::of("alpha", &force, ahead_s, surfaces))
 }
 
 /// The vane of the angle of sideslip. `chord` in m.
-pub(super) fn lateral(channels: &Channels, chord: f64, surfaces: &[SurfaceDelay]) -> Option<Vec<Finding>> {
+pub(super) fn lateral(channels: &Channels, chord: f64, surfaces: &[SurfaceDelay]) -> Option<Vane> {
     let [speed, beta, p, r, aileron, rudder, ay] = channels.values::<7>()?;
     let (time_s, step_s) = (channels.time_s.as_slice(), channels.step_s()?);
     let (pressure, relative) = scales(speed)?;
@@ -122,7 +152,7 @@ pub(super) fn lateral(channels: &Channels, chord: f64, surfaces: &[SurfaceDelay]
     let side = integral(time_s, ay);
     let force = Causes { time_s, step_s, signal: &side, others, late: 0, cause: beta, pressure: &pressure };
     let ahead_s = CHORDS_AHEAD * chord / median(&mut speed.to_vec())?;
-    Some(vane("beta", &force, ahead_s, surfaces).into_iter().collect())
+    Some(Vane::of("beta", &force, ahead_s, surfaces))
 }
 
 #[cfg(test)]
@@ -172,19 +202,19 @@ mod tests {
         [speed, of(0, alpha_late, 5e-4), of(1, 0, 5e-4), of(2, elevator_late, 1e-4), az]
     }
 
-    fn named(columns: &[Vec<f64>; 5]) -> Vec<(&'static str, String)> {
+    fn found(columns: &[Vec<f64>; 5]) -> Vec<(&'static str, String)> {
         let time_s: Vec<f64> = (0..columns[0].len()).map(|k| k as f64 * STEP_S).collect();
         let of = |count: usize| Channels::for_tests(time_s.clone(), columns[..count].to_vec());
         let times: Vec<SurfaceDelay> = elevator(&of(4)).into_iter().collect();
-        let vanes = longitudinal(&of(5), 1.5, &times).unwrap();
+        let vane = longitudinal(&of(5), 1.5, &times).unwrap().finding;
         let surfaces = times.iter().filter_map(|found| surface(found, InputHold::Held));
-        surfaces.chain(vanes).map(|finding| (finding.channel, finding.sentence)).collect()
+        surfaces.chain(vane).map(|finding| (finding.channel, finding.sentence)).collect()
     }
 
     #[test]
     fn what_is_recorded_in_time_is_not_named() {
-        assert_eq!(named(&flight(0, 0, 0.0)), []);
-        assert_eq!(named(&flight(0, 0, 0.02)), []);
+        assert_eq!(found(&flight(0, 0, 0.0)), []);
+        assert_eq!(found(&flight(0, 0, 0.02)), []);
     }
 
     #[test]
@@ -192,7 +222,7 @@ mod tests {
         // The elevator is held between samples.
         for (samples, delays) in [(3, 57..=63), (12, 235..=245)] {
             for gusts in [0.0, 0.02] {
-                let found = named(&flight(samples, 0, gusts));
+                let found = found(&flight(samples, 0, gusts));
                 let [("elevator", sentence)] = found.as_slice() else { panic!("{samples} {gusts}: {found:?}") };
                 let shown: i32 = sentence.split(' ').find_map(|word| word.parse().ok()).unwrap();
                 assert!(delays.contains(&shown) && sentence.contains("late"), "{sentence}");
@@ -203,7 +233,7 @@ mod tests {
     #[test]
     fn a_vane_that_is_much_too_late_is_named_in_gusts() {
         for late in [5, 8, 15] {
-            let found = named(&flight(0, late, 0.05));
+            let found = found(&flight(0, late, 0.05));
             let alpha = found.iter().find(|(name, _)| *name == "alpha");
             let (_, sentence) = alpha.unwrap_or_else(|| panic!("{late}: {found:?}"));
             let shown: usize = sentence.split(' ').find_map(|word| word.parse().ok()).unwrap();
@@ -213,7 +243,24 @@ mod tests {
 
     #[test]
     fn a_late_vane_is_named_in_gusts() {
-        let found = named(&flight(0, 3, 0.05));
+        let found = found(&flight(0, 3, 0.05));
         assert!(found.iter().any(|(name, sentence)| *name == "alpha" && sentence.contains("late")), "{found:?}");
+    }
+
+    #[test]
+    fn gusts_show_that_a_vane_is_in_time_where_kinematics_calls_it_late() {
+        let late = |late_s: f64| Finding {
+            channel: "alpha",
+            what: What::Late { late_s, std_s: 0.02 },
+            sentence: String::new(),
+        };
+        let vane = |samples: usize, gusts: f64| {
+            let columns = flight(0, samples, gusts);
+            let time_s = (0..columns[0].len()).map(|k| k as f64 * STEP_S).collect();
+            longitudinal(&Channels::for_tests(time_s, columns.to_vec()), 1.5, &[]).unwrap()
+        };
+        assert!(vane(0, 0.05).contradicts(&late(0.28)) && !vane(0, 0.05).contradicts(&late(0.06)));
+        // A vane that is late is late by the force as well.
+        assert!(!vane(15, 0.05).contradicts(&late(0.28)));
     }
 }
