@@ -28,7 +28,7 @@ pub struct GroupSummary {
     pub doubtful: usize,
     /// How often each reason was given for not being sound.
     pub reasons: BTreeMap<String, usize>,
-    /// Derivatives that count, in flights that were not refused.
+    /// Derivatives that count, in flights that were not refused, without those that a missing term takes back.
     pub derivatives: usize,
     /// Median of their relative error; NaN without any.
     pub error_median: f64,
@@ -36,9 +36,9 @@ pub struct GroupSummary {
     pub error_90_percent: f64,
     /// Part of them with the truth within two claimed standard errors.
     pub coverage: f64,
-    /// Part of them that is called converged, in flights without a warning.
+    /// Part of them that is called converged: in flights without a warning, and what a missing term leaves standing.
     pub claimed: f64,
-    /// Part of them that is more than four standard errors wrong, called converged, and without a warning.
+    /// Part of them that is called converged and more than four standard errors wrong.
     pub silently_wrong: f64,
     /// Flights with at least one of those.
     pub flights_silently_wrong: usize,

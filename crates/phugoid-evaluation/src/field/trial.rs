@@ -313,7 +313,6 @@ fn consistency(estimation: &Estimation) -> Option<Consistency> {
 /// The derivatives that count, at the end of the flight.
 fn compared(estimation: &Estimation, truth: &Truth) -> Vec<Compared> {
     let counting = truth.at_end().iter().filter(|(_, p)| p.counts());
-    let against = || estimation.reasons.iter().filter(|reason| reason.status >= EstimationStatus::Doubtful);
     let in_part = is_in_part(&estimation.reasons);
     counting
         .filter_map(|(name, p)| {
@@ -326,7 +325,7 @@ fn compared(estimation: &Estimation, truth: &Truth) -> Vec<Compared> {
                 std_error: found.corrected_std_error,
                 systematic_std: found.systematic_std,
                 status: found.status,
-                is_taken_back: in_part && against().any(|reason| reason.puts_in_doubt(name)),
+                is_taken_back: in_part && estimation.reasons.iter().any(|reason| reason.puts_in_doubt(name)),
             })
         })
         .collect()

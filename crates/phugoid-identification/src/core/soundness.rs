@@ -175,10 +175,16 @@ pub struct VerdictReason {
 }
 
 impl VerdictReason {
-    /// Whether the reason, refused or doubtful, is one against a parameter: a missing term is one against those that it
-    /// concerns, anything else against all.
+    /// Whether it is a reason against the result, and not only one to wait: refused or doubtful.
+    pub fn is_against(&self) -> bool {
+        self.status >= EstimationStatus::Doubtful
+    }
+
+    /// Whether it is a reason against a parameter: a missing term is one against those that it concerns, any other that
+    /// is one against the result against all.
     pub fn puts_in_doubt(&self, parameter: &str) -> bool {
-        self.code != ReasonCode::MissingTerm || self.concerns.iter().any(|name| name == parameter)
+        let is_of_all = self.code != ReasonCode::MissingTerm;
+        self.is_against() && (is_of_all || self.concerns.iter().any(|name| name == parameter))
     }
 }
 
@@ -187,10 +193,24 @@ pub fn status_of(reasons: &[VerdictReason]) -> EstimationStatus {
     reasons.iter().map(|reason| reason.status).max().unwrap_or_default()
 }
 
-/// Whether only some of the parameters are in doubt: nothing but a missing term speaks against the result.
+/// Whether a result is doubtful in part: nothing but a missing term speaks against it, and only the parameters that this concerns are
+/// in doubt. Of a refused result, and of one that nothing speaks against, it is false.
+///
+/// ```
+/// use phugoid_identification::estimation::{EstimationStatus, ReasonCode, VerdictReason, is_in_part};
+/// let reason = VerdictReason {
+///     code: ReasonCode::MissingTerm,
+///     status: EstimationStatus::Doubtful,
+///     concerns: vec!["CD_0".to_owned()],
+///     sentence: "The model lacks elevator in CD.".to_owned(),
+/// };
+/// assert!(reason.puts_in_doubt("CD_0") && !reason.puts_in_doubt("CL_alpha"));
+/// assert!(is_in_part(std::slice::from_ref(&reason)) && !is_in_part(&[]));
+/// assert!(!is_in_part(&[VerdictReason { status: EstimationStatus::Refused, ..reason }]));
+/// ```
 pub fn is_in_part(reasons: &[VerdictReason]) -> bool {
-    let mut against = reasons.iter().filter(|reason| reason.status >= EstimationStatus::Doubtful).peekable();
-    against.peek().is_some() && against.all(|reason| reason.code == ReasonCode::MissingTerm)
+    let is_of_a_term = |reason: &VerdictReason| reason.code == ReasonCode::MissingTerm;
+    status_of(reasons) == EstimationStatus::Doubtful && reasons.iter().filter(|r| r.is_against()).all(is_of_a_term)
 }
 
 /// The first sentence of the verdict on a refused or doubtful result; `None` for others.

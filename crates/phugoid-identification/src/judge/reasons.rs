@@ -119,9 +119,8 @@ fn learnt_groups(file: &ModelFile, parameters: &[ParameterResult]) -> Vec<Group>
 /// Takes "converged" from the parameters that are not to be used, and from their readiness: from those that a missing term
 /// concerns, and from all of them for any other reason.
 pub(crate) fn demote(parameters: &mut [ParameterResult], reasons: &[VerdictReason]) {
-    let against = || reasons.iter().filter(|reason| reason.status >= EstimationStatus::Doubtful);
     for parameter in parameters.iter_mut() {
-        let Some(worst) = against().find(|reason| reason.puts_in_doubt(&parameter.name)) else { continue };
+        let Some(worst) = reasons.iter().find(|reason| reason.puts_in_doubt(&parameter.name)) else { continue };
         if parameter.status == FinalStatus::Converged {
             parameter.status = FinalStatus::InDoubt;
         }

@@ -57,10 +57,10 @@ pub(crate) fn summarise<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     let mut reasons = reasons(task, record, &parameters, &correlation, run, doubts, &history, equations.as_ref());
     let mut changes = changes(&columns, run);
     if let Some(Missing { reason, explains, explains_changes }) = missing {
-        for change in changes.iter_mut().filter(|change| explains_changes.contains(&change.time_s)) {
+        let standing = changes.iter_mut().filter(|change| change.outcome.stands());
+        for change in standing.filter(|change| explains_changes.contains(&change.time_s)) {
             change.outcome = ChangeOutcome::ExplainedByTerm;
         }
-
         reasons.retain(|reason| !explains.contains(&reason.code));
         reasons.push(reason);
     }

@@ -4,8 +4,8 @@ use phugoid_estimators::DetectorState;
 use phugoid_estimators::verdict::Readiness;
 
 use crate::core::estimation::{
-    AdoptedChange, BatchReport, ChangeOutcome, ChangedParameter, EstimationStatus, FinalStatus, History,
-    ParameterResult, ReasonCode, Signal, VerdictReason, headline,
+    AdoptedChange, BatchReport, ChangeOutcome, ChangedParameter, FinalStatus, History, ParameterResult, ReasonCode,
+    Signal, VerdictReason, headline,
 };
 use crate::core::options::Opens;
 use crate::judge::contradiction::{Spread, colour};
@@ -36,7 +36,7 @@ pub(crate) fn verdict<M: Motion<N, R>, const N: usize, const R: usize>(
 ) -> Vec<String> {
     let mut sentences: Vec<String> = headline(reasons).into_iter().collect();
     // What keeps a result waiting is told below with the parameters, unless nothing moved at all.
-    let told = |r: &&VerdictReason| r.status >= EstimationStatus::Doubtful || r.code == ReasonCode::NoExcitation;
+    let told = |r: &&VerdictReason| r.is_against() || r.code == ReasonCode::NoExcitation;
     sentences.extend(reasons.iter().filter(told).map(|reason| reason.sentence.clone()));
     sentences.extend(physics::aircraft::remark(task));
     let contradicted = reasons.iter().any(|reason| reason.code == ReasonCode::Contradiction);

@@ -46,22 +46,18 @@ pub(crate) struct Found<'a> {
     pub(crate) evidence: f64,
 }
 
-/// What the missing terms of an offer say of the result `without` them; `None` if nothing has to be said. `with` is the result
-/// with them.
+/// What the missing terms of an offer say of the `first` result, which is without them; `None` if nothing has to be said. `with` is the
+/// result with them.
 pub(crate) fn missing(offer: &Offer, first: Found<'_>, with: Option<Found<'_>>, file: &ModelFile) -> Option<Missing> {
     let without = first.estimation;
-    let against: Vec<&VerdictReason> =
-        without.reasons.iter().filter(|reason| reason.status >= EstimationStatus::Doubtful).collect();
-    let settled = with.filter(|with| with.estimation.status == EstimationStatus::Sound);
-    let settled = settled.filter(|_| against.iter().all(|reason| OF_THE_MOTION.contains(&reason.code)));
+    let against = || without.reasons.iter().filter(|reason| reason.is_against());
+    let is_of_the_motion = against().all(|reason| OF_THE_MOTION.contains(&reason.code));
+    let settled = with.filter(|with| is_of_the_motion && with.estimation.status == EstimationStatus::Sound);
+    let explains: Vec<ReasonCode> = settled.iter().flat_map(|_| against()).map(|reason| reason.code).collect();
     let better = settled.filter(|with| with.evidence > first.evidence);
     let explains_changes = better.map_or_else(Vec::new, |with| changes_without(without, with.estimation));
-    let explains: Vec<ReasonCode> = match settled.is_some() {
-        true => against.iter().map(|reason| reason.code).collect(),
-        false => Vec::new(),
-    };
-    let bent: Vec<Moved> = moved(offer).filter(|m| !is_own(offer, file, m.name) && m.errors > BENT).collect();
-    let bent: Vec<Moved> = bent.into_iter().filter(|m| is_claimed(without, m.name)).collect();
+    let is_bent = |m: &Moved| m.errors > BENT && !is_own(offer, file, m.name) && is_claimed(without, m.name);
+    let bent: Vec<Moved> = moved(offer).filter(is_bent).collect();
     if explains.is_empty() && bent.is_empty() && explains_changes.is_empty() {
         return None;
     }
@@ -69,20 +65,33 @@ pub(crate) fn missing(offer: &Offer, first: Found<'_>, with: Option<Found<'_>>, 
         let is_same = moved(offer).any(|m| m.name == name && m.errors <= SAME);
         settled.is_some() && is_same && !is_own(offer, file, name)
     };
-    let names = without.parameters.iter().filter(|p| p.status != FinalStatus::Fixed).map(|p| p.name.as_str());
-    let (holding, concerns): (Vec<&str>, Vec<&str>) = names.partition(|name| holds(name));
+    let names = without.parameters.iter().filter(|p| p.status != FinalStatus::Fixed).map(|p| p.name.clone());
+    let (holding, concerns): (Vec<String>, Vec<String>) = names.partition(|name| holds(name));
+    // Where nothing holds, what was refused stays refused.
+    let status = if holding.is_empty() { without.status } else { EstimationStatus::Doubtful };
+    let reason = VerdictReason {
+        code: ReasonCode::MissingTerm,
+        status: status.max(EstimationStatus::Doubtful),
+        concerns,
+        sentence: in_words(offer, !explains.is_empty(), &explains_changes, &bent, &holding),
+    };
+    Some(Missing { reason, explains, explains_changes })
+}
+
+/// The sentences of the reason. `explains`: with the terms nothing speaks against the result any more.
+fn in_words(offer: &Offer, explains: bool, changes_s: &[f64], bent: &[Moved<'_>], holding: &[String]) -> String {
     let term = if offer.missing().count() == 1 { "the term" } else { "these terms" };
-    let mut sentence = format!("The model lacks {}", missing_in_words(offer));
-    match (explains.is_empty(), bent.is_empty()) {
-        (false, _) => {
-            sentence.push_str(&format!(". That is what speaks against this result: with {term} nothing does."))
-        }
-        (true, false) => sentence.push_str(", and what that makes of the motion is put down to other coefficients."),
-        (true, true) => sentence.push('.'),
-    }
-    if !explains_changes.is_empty() {
-        let times: Vec<String> = explains_changes.iter().map(|time_s| format!("{time_s:.1} s")).collect();
-        sentence.push_str(&format!(
+    let mut words = format!("The model lacks {}", missing_in_words(offer));
+    words.push_str(&if explains {
+        format!(". That is what speaks against this result: with {term} nothing does.")
+    } else if bent.is_empty() {
+        ".".to_owned()
+    } else {
+        ", and what that makes of the motion is put down to other coefficients.".to_owned()
+    });
+    if !changes_s.is_empty() {
+        let times: Vec<String> = changes_s.iter().map(|time_s| format!("{time_s:.1} s")).collect();
+        words.push_str(&format!(
             " The change of the aircraft that was adopted at {} is none: with {term} it is not found, and the flight is \
              predicted better.",
             times.join(" and at ")
@@ -90,21 +99,16 @@ pub(crate) fn missing(offer: &Offer, first: Found<'_>, with: Option<Found<'_>>, 
     }
     if !bent.is_empty() {
         let list: Vec<String> = bent.iter().map(Moved::words).collect();
-        sentence.push_str(&format!(" With it they move: {}.", list.join(", ")));
+        words.push_str(&format!(" With {term} values of other coefficients move: {}.", list.join(", ")));
     }
     if !holding.is_empty() {
-        sentence.push_str(&format!(
+        words.push_str(&format!(
             " The same with and without {term}, within the error that is claimed, and not in doubt for it: {}.",
             holding.join(", ")
         ));
     }
-    sentence.push_str(&format!(" Estimate with {term} (--structure auto, or the lines for the model file below)."));
-    // Where nothing holds, what was refused stays refused.
-    let status = if holding.is_empty() { without.status } else { EstimationStatus::Doubtful };
-    let status = status.max(EstimationStatus::Doubtful);
-    let concerns = concerns.into_iter().map(str::to_owned).collect();
-    let reason = VerdictReason { code: ReasonCode::MissingTerm, status, concerns, sentence };
-    Some(Missing { reason, explains, explains_changes })
+    words.push_str(&format!(" Estimate with {term} (--structure auto, or the lines for the model file below)."));
+    words
 }
 
 /// Time that two runs may differ by in dating the same change, s.
@@ -140,9 +144,10 @@ impl Moved<'_> {
     }
 }
 
+/// The values of an offer. Of a method that claims no errors nothing is the same, and nothing another.
 fn moved(offer: &Offer) -> impl Iterator<Item = Moved<'_>> {
     offer.effects.iter().filter_map(|TermEffect { parameter, before, before_std, after, .. }| {
-        let (before, std) = before.zip(*before_std)?;
+        let (before, std) = before.zip(before_std.filter(|std| std.is_finite()))?;
         Some(Moved { name: parameter, before, after: *after, errors: (after - before).abs() / std })
     })
 }
@@ -154,11 +159,10 @@ fn is_own(offer: &Offer, file: &ModelFile, name: &str) -> bool {
     of.is_none_or(|of| offer.missing().any(|term| term.coefficient == of.symbol()))
 }
 
+/// Whether a result has a value of a parameter that no other reason has taken back.
 fn is_claimed(without: &Estimation, name: &str) -> bool {
-    let found = without.parameter(name);
-    // Where something else speaks against the result, what would be converged is in doubt.
     let claimed = [FinalStatus::Converged, FinalStatus::Improving];
-    found.is_some_and(|p| claimed.contains(&p.status))
+    without.parameter(name).is_some_and(|p| claimed.contains(&p.status))
 }
 
 #[cfg(test)]
@@ -260,6 +264,11 @@ mod tests {
         // Where every value moves the result stays refused.
         let all = self::offer(&[(OF_LIFT, 1.5), (OF_DRAG, 1.0), (OF_PITCH, 1.2)]);
         let found = missing(&all, of(&first, 0.0), Some(of(&sound, 0.0)), &file).unwrap();
+        assert_eq!((found.reason.status, found.reason.concerns.len()), (EstimationStatus::Refused, 3));
+        // A method without bounds claims no error within which its values would be the same.
+        let mut unbounded = self::offer(&[(OF_LIFT, 1.0), (OF_DRAG, 1.0), (OF_PITCH, 1.0)]);
+        unbounded.effects.iter_mut().for_each(|effect| effect.before_std = Some(f64::INFINITY));
+        let found = missing(&unbounded, of(&first, 0.0), Some(of(&sound, 0.0)), &file).unwrap();
         assert_eq!((found.reason.status, found.reason.concerns.len()), (EstimationStatus::Refused, 3));
         // Neither where the term does not settle it, nor where a sensor is in question.
         assert!(missing(&offer, of(&first, 0.0), Some(of(&first, 0.0)), &file).is_none());
