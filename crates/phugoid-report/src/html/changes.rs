@@ -46,15 +46,16 @@ fn one(estimation: &Estimation, change: &AdoptedChange) -> String {
             "No change of the aircraft: with the term that the model lacks there is none, and the record is predicted better"
         }
     };
-    let when = change.interval_s.map_or_else(String::new, |[from_s, to_s]| {
+    // What is none did not happen at any time.
+    let when = change.interval_s.filter(|_| change.outcome.stands()).map_or_else(String::new, |[from_s, to_s]| {
         format!(" It happened between {} and {} s.", fixed(from_s, 1), fixed(to_s, 1))
     });
     let what = match change.opens {
-        Opens::Everything => "",
-        Opens::Constants => {
+        Opens::Constants if change.outcome.stands() => {
             " The constants alone explain it: a constant force or moment (a trim shift) set in, the derivatives stay. The errors \
              of a constant before and after are mostly those of the derivatives, which both share."
         }
+        Opens::Everything | Opens::Constants => "",
     };
     let mut rows: Vec<_> = change.parameters.iter().collect();
     rows.sort_by(|a, b| b.sigmas().abs().total_cmp(&a.sigmas().abs()));

@@ -142,6 +142,24 @@ fn before_and_after_of_a_change_and_a_second_method_stand_side_by_side() {
     assert!(methods.contains("equation-error") && methods.contains("2.000") && methods.contains("<svg"), "{methods}");
 }
 
+/// What a missing term explains did not happen, and no constant force set in.
+#[test]
+fn a_change_that_is_none_has_no_time() {
+    let mut given = estimation(&jet());
+    let name = given.parameters[0].name.clone();
+    given.changes = vec![AdoptedChange {
+        time_s: 4.56,
+        interval_s: Some([4.2, 4.8]),
+        opens: Opens::Constants,
+        outcome: ChangeOutcome::ExplainedByTerm,
+        parameters: vec![ChangedParameter { name, before: -0.5, before_std: 0.03, after: -0.9, after_std: 0.04 }],
+    }];
+    let page = page(&given);
+    let changes = page.split("<section id=\"changes\">").nth(1).unwrap().split("</section>").next().unwrap();
+    assert!(changes.contains("No change of the aircraft"), "{changes}");
+    assert!(!changes.contains("It happened") && !changes.contains("set in"), "{changes}");
+}
+
 #[test]
 fn a_figure_over_the_time_says_where_its_time_is() {
     let page = page(&estimation(&jet()));
