@@ -138,7 +138,7 @@ fn text(study: &FieldStudy) -> String {
     }
     text.push_str(
         "Error: of the derivatives that the flight shows, as a part of the truth. Covered: truth within two claimed standard\n\
-         errors. Silently wrong: called converged, without a warning, and more than four standard errors from the truth;\n\
+         errors; by random: by the part of them that is not declared in [uncertainty]. Silently wrong: called converged, without a warning, and more than four standard errors from the truth;\n\
          the number of flights in which that happens, and how many of those have a remark at least.\n",
     );
     let reasons = reasons(&study.all);
@@ -163,7 +163,7 @@ fn text(study: &FieldStudy) -> String {
     text
 }
 
-const COLUMNS: [&str; 11] = [
+const COLUMNS: [&str; 12] = [
     "flights",
     "refused",
     "doubtful",
@@ -171,6 +171,7 @@ const COLUMNS: [&str; 11] = [
     "error",
     "90 %",
     "covered",
+    "by random",
     "claimed",
     "silently wrong",
     "flights",
@@ -188,6 +189,7 @@ fn cells(s: &GroupSummary) -> Vec<String> {
         percent(s.error_median),
         percent(s.error_90_percent),
         percent(s.coverage),
+        percent(s.coverage_random),
         percent(s.claimed),
         percent(s.silently_wrong),
         s.flights_silently_wrong.to_string(),

@@ -58,6 +58,11 @@ impl Compared {
         (self.value - self.truth).abs() <= 2.0 * self.std_error
     }
 
+    /// Whether the truth lies within two claimed standard errors without their declared part, its own uncertainty included.
+    pub fn is_covered_by_random(&self) -> bool {
+        self.error_squared() <= 4.0
+    }
+
     /// Whether the estimate is called converged and lies more than four standard errors from the truth, the truth's own
     /// uncertainty included. A value that is not finite is wrong.
     pub fn is_wrong(&self) -> bool {
