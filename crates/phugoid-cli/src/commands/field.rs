@@ -138,8 +138,9 @@ fn text(study: &FieldStudy) -> String {
     }
     text.push_str(
         "Error: of the derivatives that the flight shows, as a part of the truth. Covered: truth within two claimed standard\n\
-         errors; by random: by the part of them that is not declared in [uncertainty]. Silently wrong: called converged, without a warning, and more than four standard errors from the truth;\n\
-         the number of flights in which that happens, and how many of those have a remark at least.\n",
+         errors; by random: by the part of them that is not declared in [uncertainty]. Silently wrong: called converged, without\n\
+         a warning, and more than four standard errors from the truth; the number of flights in which that happens, and how many\n\
+         of those have a remark at least.\n",
     );
     let reasons = reasons(&study.all);
     if !reasons.is_empty() {

@@ -36,8 +36,9 @@ pub struct GroupSummary {
     pub error_90_percent: f64,
     /// Part of them with the truth within two claimed standard errors.
     pub coverage: f64,
-    /// The same without the declared systematic part of the claim, the truth's own uncertainty included. Flights without an error put
-    /// in have no systematic errors, so that this part alone has to hold.
+    /// Part of them with the truth within two standard errors of the random part of the claim alone, without what is declared, the
+    /// truth's own uncertainty included. Flights without an error put in have no systematic errors, so that it has to be
+    /// about 95 %.
     pub coverage_random: f64,
     /// Part of them that is called converged: in flights without a warning, and what a missing term leaves standing.
     pub claimed: f64,

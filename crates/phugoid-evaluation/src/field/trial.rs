@@ -58,7 +58,9 @@ impl Compared {
         (self.value - self.truth).abs() <= 2.0 * self.std_error
     }
 
-    /// Whether the truth lies within two claimed standard errors without their declared part, its own uncertainty included.
+    /// Whether the truth lies within two claimed standard errors without their declared part, the truth's own uncertainty
+    /// included ([`error_squared`](Self::error_squared) of at most two squared). False for a method without bounds and for a value
+    /// that is not finite.
     pub fn is_covered_by_random(&self) -> bool {
         self.error_squared() <= 4.0
     }
