@@ -6,7 +6,8 @@
 //! ```
 //!
 //! The first argument is the number of parameters (4, 5, 11 or 24). After it, in any order: the method (smpe, ekf, rls,
-//! fourier, implicit-sign, super-twisting; smpe without), `wide` for room for 24, `off` for no change detection. Prints
+//! fourier, implicit-sign, super-twisting; smpe without), `wide` for room for 24, `off` for no change detection, `learn` for
+//! noise levels and process noise that are learnt (smpe and ekf). Prints
 //! how many updates were measured (divide the total by it) and, run without callgrind, the time of the fastest hundred
 //! of them.
 
@@ -18,7 +19,7 @@ mod plants;
 mod synthetic;
 
 use methods::{METHODS, Run, with_method};
-use phugoid_estimators::settings::EstimatorSettings;
+use phugoid_estimators::settings::{EstimatorSettings, NoiseLearning, ProcessNoise};
 use phugoid_estimators::{Estimator, Sample};
 use synthetic::{Synthetic, flight, priors};
 
@@ -31,19 +32,19 @@ fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let has = |word: &str| arguments.iter().any(|argument| argument == word);
     let method = METHODS.into_iter().find(|name| has(name)).unwrap_or("smpe");
-    let detection = !has("off");
+    let (detection, learn) = (!has("off"), has("learn"));
     match (arguments.first().map(String::as_str), has("wide")) {
-        (Some("4"), false) => measure::<6, 4>(method, 4, detection),
-        (Some("4"), true) => measure::<6, 24>(method, 4, detection),
-        (Some("11"), false) => measure::<7, 11>(method, 11, detection),
-        (Some("11"), true) => measure::<7, 24>(method, 11, detection),
-        (Some("24"), _) => measure::<6, 24>(method, 24, detection),
-        (_, false) => measure::<6, 5>(method, 5, detection),
-        (_, true) => measure::<6, 24>(method, 5, detection),
+        (Some("4"), false) => measure::<6, 4>(method, 4, detection, learn),
+        (Some("4"), true) => measure::<6, 24>(method, 4, detection, learn),
+        (Some("11"), false) => measure::<7, 11>(method, 11, detection, learn),
+        (Some("11"), true) => measure::<7, 24>(method, 11, detection, learn),
+        (Some("24"), _) => measure::<6, 24>(method, 24, detection, learn),
+        (_, false) => measure::<6, 5>(method, 5, detection, learn),
+        (_, true) => measure::<6, 24>(method, 5, detection, learn),
     }
 }
 
-fn measure<const R: usize, const P: usize>(method: &str, parameters: usize, detection: bool) {
+fn measure<const R: usize, const P: usize>(method: &str, parameters: usize, detection: bool, learn: bool) {
     let model = Synthetic::<P>::new(parameters);
     let mut settings = match EstimatorSettings::<4, R, P>::automatic(&priors(parameters), [0.01; R], 0.01) {
         Ok(settings) => settings,
@@ -51,6 +52,10 @@ fn measure<const R: usize, const P: usize>(method: &str, parameters: usize, dete
     };
     if !detection {
         settings.change_detection = None;
+    }
+    if learn {
+        settings.noise_learning = Some(NoiseLearning::from_white([0.005; R]));
+        settings.process_noise = ProcessNoise::adaptive([1e-4; 4]);
     }
     let samples = flight::<R, P>(&model, WARM_UP + MEASURED);
     println!("{method}, p = {parameters} of P = {P}, R = {R}");

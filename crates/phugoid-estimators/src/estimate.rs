@@ -233,8 +233,8 @@ pub trait Inspect<const R: usize, const P: usize>: Estimator<R, P> {
         0
     }
 
-    /// Scale on the process noise that was learnt from the innovations; one where the method learns none.
-    fn process_noise_scale(&self) -> f64 {
+    /// Scale on the process noise of this state that was learnt from the innovations; one where the method learns none.
+    fn process_noise_scale(&self, _state: usize) -> f64 {
         1.0
     }
 

@@ -378,10 +378,6 @@ impl<const N: usize, const P: usize> Slot<N, P> for Joint<N, P> {
         core::array::from_fn(|j| if j < self.covariance.columns() { self.covariance.tt[j][j] } else { 0.0 })
     }
 
-    fn state_covariance(&self) -> [[f64; N]; N] {
-        Conditional::new(self.covariance.columns(), &self.covariance).px
-    }
-
     fn write_covariance(&self, out: &mut [[f64; P]; P]) {
         let p = self.covariance.columns();
         for j in 0..p {
@@ -424,8 +420,7 @@ impl<const N: usize, const P: usize> Followed<N, P> for Joint<N, P> {
     {
         let steps = discretization::sub_steps(interval_s, settings.maximum_step_s);
         let h = interval_s / steps as f64;
-        let scale = levels.scale.unwrap_or(self.common.noise_scale);
-        let q = settings.process_noise.variance_per_s.map(|variance| variance * scale * h);
+        let q = levels.process_noise(&settings.process_noise.variance_per_s, self.common.noise_scale, h);
         let own = columns.own();
         let mut x = self.common.x;
         let before = self.covariance;

@@ -42,7 +42,7 @@
 //!         covariance: &covariance,
 //!         residuals: &estimator.innovations().normalised,
 //!         noise_std: &estimator.noise().std,
-//!         noise_scale: estimator.process_noise_scale(),
+//!         noise_scales: &estimator.process_noise_scales(),
 //!     });
 //!     if health.condition == Condition::Diverged && flagged_s.is_none() {
 //!         flagged_s = Some(sample.time_s);
@@ -166,8 +166,8 @@ pub struct Watched<'a, const R: usize, const P: usize> {
     /// One sigma of the noise per output in the estimator's use, output units, which its residuals are normalised by.
     /// The reference uses the same from the next sample on; where it is not finite and positive, what it used before.
     pub noise_std: &'a [f64; R],
-    /// Its scale of the process noise.
-    pub noise_scale: f64,
+    /// Its scale of each state's process noise; one that is missing or not finite counts as 1.
+    pub noise_scales: &'a [f64],
 }
 
 /// The monitor: `N` states, `R` outputs, room for `P` columns. No allocation; bounded work per sample.
@@ -288,9 +288,12 @@ where
         let time_s = sample.time_s;
         let open = self.failure.is_none() && time_s - self.first_s >= self.settings.settle_s;
         let horizon_s = self.settings.horizon_s;
-        let scale = if watched.noise_scale.is_finite() { watched.noise_scale.max(0.0) } else { 1.0 };
+        let scales = core::array::from_fn(|state| {
+            let given = watched.noise_scales.get(state).copied().filter(|scale| scale.is_finite());
+            given.map_or(1.0, |scale| scale.max(0.0))
+        });
         self.reference.set_noise(&self.noise_std);
-        self.reference.update(sample, scale, &self.levels, &mut self.starts, |starts| {
+        self.reference.update(sample, &scales, &self.levels, &mut self.starts, |starts| {
             if open {
                 starts.open(time_s, horizon_s);
             }

@@ -105,17 +105,17 @@ where
     pub(super) fn update(
         &mut self,
         sample: &Sample<M::Input, R>,
-        noise_scale: f64,
+        noise_scales: &[f64; N],
         levels: &Levels<R>,
         starts: &mut Starts<N, P>,
         before_frame: impl FnOnce(&mut Starts<N, P>),
     ) {
         if !self.running {
-            self.collect(sample, noise_scale, levels, starts);
+            self.collect(sample, noise_scales, levels, starts);
             return;
         }
         let interval_s = sample.time_s - self.last_s;
-        let predicted = interval_s <= self.settings.maximum_gap_s && self.predict(sample, noise_scale, starts);
+        let predicted = interval_s <= self.settings.maximum_gap_s && self.predict(sample, noise_scales, starts);
         if !predicted {
             self.restart(sample, starts);
             return;
@@ -169,7 +169,7 @@ where
     fn collect(
         &mut self,
         sample: &Sample<M::Input, R>,
-        noise_scale: f64,
+        noise_scales: &[f64; N],
         levels: &Levels<R>,
         starts: &mut Starts<N, P>,
     ) {
@@ -194,7 +194,7 @@ where
         self.last_input = None;
         while let Some(frame) = collected.frame(index) {
             let near = frame.time_s - self.last_s <= self.settings.maximum_gap_s;
-            let sound = self.last_input.is_none() || (near && self.predict(&frame, noise_scale, starts));
+            let sound = self.last_input.is_none() || (near && self.predict(&frame, noise_scales, starts));
             if !sound {
                 // From this frame on, again.
                 self.restart(&frame, starts);
@@ -238,13 +238,14 @@ where
     }
 
     /// One interval; false, and nothing done, if the model's answer is not finite.
-    fn predict(&mut self, sample: &Sample<M::Input, R>, noise_scale: f64, starts: &mut Starts<N, P>) -> bool {
+    fn predict(&mut self, sample: &Sample<M::Input, R>, noise_scales: &[f64; N], starts: &mut Starts<N, P>) -> bool {
         let interval_s = sample.time_s - self.last_s;
         let Some(from) = self.last_input else { return false };
         let input = IntervalInput { from, to: sample.input, hold: self.settings.input_hold };
         let steps = discretization::sub_steps(interval_s, self.settings.maximum_step_s);
         let h = interval_s / steps as f64;
-        let q = self.settings.process_noise.variance_per_s.map(|variance| variance * noise_scale * h);
+        let variance_per_s = self.settings.process_noise.variance_per_s;
+        let q: [f64; N] = core::array::from_fn(|i| variance_per_s[i] * noise_scales[i] * h);
         let (n, f) = (self.parts.monitored.len(), self.parts.nuisance.len());
         let mut x = self.x;
         let mut px = self.px;

@@ -1,17 +1,18 @@
-//! The levels that the estimator uses, and when they follow what the shadows learn.
+//! The levels that the estimator uses, and when they follow what is learnt.
 
 use super::NoiseReport;
-use super::bank::{Bank, Frame};
+use super::frame::Frame;
+use super::likelihood::Likelihood;
 use crate::settings::{LearntLevels, NoiseLearning};
 
-/// The noise levels and the scale of the process noise in use, and how they are learnt.
+/// The noise levels and the scales of the process noise in use, and how they are learnt.
 #[derive(Clone, Copy, Debug)]
 pub struct Levels<const N: usize, const R: usize> {
     /// One sigma per output, output units.
     pub(crate) std: [f64; R],
-    /// Scale of the process noise; `None` where the filter adapts its own.
-    pub(crate) scale: Option<f64>,
-    bank: Option<Bank<N, R>>,
+    /// Scale of each state's process noise; `None` where the filter adapts one of its own for all.
+    scales: Option<[f64; N]>,
+    likelihood: Option<Likelihood<N, R>>,
     /// Rows in succession beyond the limit of rejection, per output.
     beyond: [u8; R],
     /// Whether the next row of an output is borne with bounded influence where it lies beyond that limit.
@@ -26,59 +27,69 @@ const REJECTED_IN_SUCCESSION: u8 = 2;
 impl<const N: usize, const R: usize> Levels<N, R> {
     pub(crate) fn new(
         noise_std: [f64; R],
-        learning: Option<&NoiseLearning<R>>,
+        learning: Option<&NoiseLearning<N, R>>,
         adapts_process_noise: bool,
         variance_per_s: &[f64; N],
         initial_scale: f64,
     ) -> Self {
-        let bank = learning.map(|learning| {
+        let likelihood = learning.map(|learning| {
             let scale = (!adapts_process_noise).then_some(initial_scale);
-            Bank::new(&noise_std, learning, scale, *variance_per_s)
+            Likelihood::new(&noise_std, learning, scale, *variance_per_s)
         });
-        let mut levels = Self { std: noise_std, scale: None, bank, beyond: [0; R], bears: [false; R] };
+        let mut levels = Self { std: noise_std, scales: None, likelihood, beyond: [0; R], bears: [false; R] };
         levels.take_over();
         levels
     }
 
-    /// Takes the weighted levels of the bank into use.
+    /// Takes the learnt levels into use.
     fn take_over(&mut self) {
-        if let Some(bank) = &self.bank {
-            let (std, scale) = bank.weighted();
+        if let Some(likelihood) = &self.likelihood {
+            let (std, scales) = likelihood.levels();
             for (to, from) in self.std.iter_mut().zip(std) {
                 if *to > 0.0 && from.is_finite() {
                     *to = from;
                 }
             }
-            self.scale = Some(scale);
+            self.scales = Some(scales);
         }
+    }
+
+    /// Scale of each state's process noise: what is learnt, or the one that the filter adapts for all.
+    pub(crate) fn scales(&self, own_scale: f64) -> [f64; N] {
+        self.scales.unwrap_or([own_scale; N])
+    }
+
+    /// Variance that each state gains in `h` seconds.
+    pub(crate) fn process_noise(&self, variance_per_s: &[f64; N], own_scale: f64, h: f64) -> [f64; N] {
+        let scales = self.scales(own_scale);
+        core::array::from_fn(|i| variance_per_s[i] * scales[i] * h)
     }
 
     /// True if the levels are learnt, and not as given.
     pub(crate) fn are_learnt(&self) -> bool {
-        self.bank.is_some()
+        self.likelihood.is_some()
     }
 
     /// The state was started (again) with these variances.
     pub(crate) fn start_state(&mut self, variances: &[f64; N]) {
         self.beyond = [0; R];
         self.bears = [false; R];
-        if let Some(bank) = &mut self.bank {
-            bank.start_state(variances);
+        if let Some(likelihood) = &mut self.likelihood {
+            likelihood.start_state(variances);
         }
     }
 
-    /// The estimate is another one now: the shadows' states start from its.
+    /// The estimate is another one now: the learning filter's state goes on from its.
     pub(crate) fn forget_offsets(&mut self) {
-        if let Some(bank) = &mut self.bank {
-            bank.forget_offsets();
+        if let Some(likelihood) = &mut self.likelihood {
+            likelihood.forget_offsets();
         }
     }
 
     /// Takes what the estimator has seen of a frame that ends an interval of this length, s. With `hold` the levels
-    /// stay what they are and only the shadows' states go on. The limits are that of rejection, and that beyond which the
+    /// stay what they are and only the learning filter's state goes on. The limits are that of rejection, and that beyond which the
     /// filter does not use a row. `bursts` says of an output beyond the limit of rejection
-    /// whether that is a short burst of outliers of its own. `state_covariance` gives the estimator's own covariance of
-    /// the state given the parameters: shadows that begin now start from it.
+    /// whether that is a short burst of outliers of its own.
     pub(crate) fn take(
         &mut self,
         frame: &Frame<N, R>,
@@ -86,25 +97,24 @@ impl<const N: usize, const R: usize> Levels<N, R> {
         hold: bool,
         [rejection_limit, gate]: [f64; 2],
         bursts: impl Fn(usize) -> bool,
-        state_covariance: impl FnOnce() -> [[f64; N]; N],
     ) {
-        let Some(bank) = &mut self.bank else { return };
+        let Some(likelihood) = &mut self.likelihood else { return };
         for (i, xi) in frame.normalised.iter().enumerate() {
             if xi.is_finite() {
                 self.beyond[i] = if xi.abs() > gate { self.beyond[i].saturating_add(1) } else { 0 };
             }
         }
-        let bursts: [bool; R] = core::array::from_fn(|i| bank.is_calibrated() && bursts(i));
+        let bursts: [bool; R] = core::array::from_fn(|i| likelihood.is_calibrated() && bursts(i));
         self.bears = core::array::from_fn(|i| self.beyond[i] >= REJECTED_IN_SUCCESSION && !bursts[i]);
-        let moved = bank.take(frame, interval_s, hold, rejection_limit, &bursts, state_covariance);
-        if moved && !hold {
+        let moved = likelihood.take(frame, interval_s, hold, rejection_limit, &bursts);
+        if moved {
             self.take_over();
         }
     }
 
     /// Where levels are as given: opens the gate of the outputs that it has locked out.
     pub(crate) fn open(&mut self, locked_out: impl FnOnce() -> [bool; R]) {
-        if self.bank.is_none() {
+        if self.likelihood.is_none() {
             self.bears = locked_out();
         }
     }
@@ -116,18 +126,18 @@ impl<const N: usize, const R: usize> Levels<N, R> {
 
     /// What has been learnt, if anything is.
     pub(crate) fn learnt(&self) -> Option<LearntLevels<R>> {
-        self.bank.as_ref().map(Bank::learnt)
+        self.likelihood.as_ref().map(Likelihood::learnt)
     }
 
     /// Goes back to what was learnt at an earlier time.
     pub(crate) fn go_back(&mut self, learnt: &LearntLevels<R>) {
-        if let Some(bank) = &mut self.bank {
-            bank.go_back(learnt);
+        if let Some(likelihood) = &mut self.likelihood {
+            likelihood.go_back(learnt);
         }
         self.take_over();
     }
 
-    pub(crate) fn report(&self, own_scale: f64) -> NoiseReport<R> {
-        NoiseReport { std: self.std, process_noise_scale: self.scale.unwrap_or(own_scale), learnt: self.learnt() }
+    pub(crate) fn report(&self) -> NoiseReport<R> {
+        NoiseReport { std: self.std, learnt: self.learnt() }
     }
 }

@@ -18,7 +18,7 @@ mod methods;
 mod noise_learning;
 
 pub use methods::{EkfSettings, FourierSettings, MAXIMUM_BINS, RegressionSettings};
-pub use noise_learning::{LearntLevels, NoiseLearning, SHADOWS};
+pub use noise_learning::{LearntLevels, NoiseLearning, SCALES};
 
 use core::fmt;
 
@@ -307,10 +307,10 @@ pub struct EstimatorSettings<const N: usize, const R: usize, const P: usize> {
     pub reaching_limit: f64,
     /// `kappa2`: beyond this a row is rejected.
     pub rejection_limit: f64,
-    /// How the noise levels and the scale of the process noise are learnt in flight, starting from
+    /// How the noise levels and the scales of the process noise are learnt in flight, starting from
     /// [`Self::noise_std`]; `None` takes [`Self::noise_std`] as it is. [`Smpe`](crate::smpe::Smpe) and
     /// [`JointEkf`](crate::ekf::JointEkf) learn them.
-    pub noise_learning: Option<NoiseLearning<R>>,
+    pub noise_learning: Option<NoiseLearning<N, R>>,
     /// How far a reaching row moves the state.
     pub reaching_state: ReachingState,
     /// Nominal time between samples, s. The samples themselves may come irregularly.

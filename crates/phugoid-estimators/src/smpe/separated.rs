@@ -127,12 +127,6 @@ impl<const N: usize, const P: usize> Slot<N, P> for Separated<N, P> {
         self.c.variances()
     }
 
-    fn state_covariance(&self) -> [[f64; N]; N] {
-        let mut out = [[0.0; N]; N];
-        self.px.write_dense(&mut out);
-        out
-    }
-
     fn write_covariance(&self, out: &mut [[f64; P]; P]) {
         self.c.write_dense(out);
     }
@@ -172,8 +166,7 @@ impl<const N: usize, const P: usize> Followed<N, P> for Separated<N, P> {
     {
         let steps = discretization::sub_steps(interval_s, settings.maximum_step_s);
         let h = interval_s / steps as f64;
-        let scale = levels.scale.unwrap_or(self.common.noise_scale);
-        let q = settings.process_noise.variance_per_s.map(|variance| variance * scale * h);
+        let q = levels.process_noise(&settings.process_noise.variance_per_s, self.common.noise_scale, h);
         let mut x = self.common.x;
         let mut sensitivity = self.sensitivity;
         let mut px = self.px;

@@ -306,10 +306,6 @@ where
         self.slot.variances()
     }
 
-    fn state_covariance(&self) -> [[f64; N]; N] {
-        self.slot.state_covariance()
-    }
-
     fn write_covariance(&self, out: &mut [[f64; P]; P]) {
         self.slot.write_covariance(out);
     }

@@ -334,6 +334,7 @@ where
         let nominal_s = self.settings.sample_time_s;
         let faults = self.faults[0];
         let watching = !self.in_doubt;
+        self.frame.reopened = self.reopened.since_s.is_finite();
         let up_to_date = self.second_is_up_to_date();
         let Self {
             model, settings, columns, levels, frame, champion, challenger, surfaces, detection, history, ..
@@ -359,7 +360,7 @@ where
         if learning {
             let bursts = |output| faults.bursts(output);
             let gate = S::gate(settings);
-            levels.take(frame, self.interval_s, !watching, [limit, gate], bursts, || champion.state_covariance());
+            levels.take(frame, self.interval_s, !watching, [limit, gate], bursts);
         }
         self.phase = phase_of(&self.innovations);
         if self.detection.is_some() {

@@ -57,14 +57,14 @@ where
         &self.surfaces
     }
 
-    /// `q_s`, the adapted scale of the process noise.
-    pub fn process_noise_scale(&self) -> f64 {
-        self.levels.scale.unwrap_or(self.champion.common().noise_scale)
+    /// Scale of each state's process noise: `q_s`, adapted for all of them, or what is learnt of each.
+    pub fn process_noise_scales(&self) -> [f64; N] {
+        self.levels.scales(self.champion.common().noise_scale)
     }
 
     /// The noise levels in use, and what has been learnt of them.
     pub fn noise(&self) -> NoiseReport<R> {
-        self.levels.report(self.champion.common().noise_scale)
+        self.levels.report()
     }
 
     /// Error of a column (`true - estimated`) per unit of each constant that the model wants considered, in the model's
@@ -241,8 +241,8 @@ where
         Self::restarts(self)
     }
 
-    fn process_noise_scale(&self) -> f64 {
-        Self::process_noise_scale(self)
+    fn process_noise_scale(&self, state: usize) -> f64 {
+        self.process_noise_scales().get(state).copied().unwrap_or(1.0)
     }
 
     fn reopened_s(&self) -> f64 {

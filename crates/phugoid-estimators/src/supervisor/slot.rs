@@ -90,9 +90,6 @@ pub trait Slot<const N: usize, const P: usize>: Copy {
     /// Variances of the columns, scaled to the prior.
     fn variances(&self) -> [f64; P];
 
-    /// Covariance of the state given the parameters, state units.
-    fn state_covariance(&self) -> [[f64; N]; N];
-
     /// Covariance of the columns, scaled to the prior, into the leading part of `out`.
     fn write_covariance(&self, out: &mut [[f64; P]; P]);
 

@@ -55,7 +55,7 @@ where
                 covariance: &covariance,
                 residuals: &smpe.innovations().normalised,
                 noise_std: &smpe.noise().std,
-                noise_scale: smpe.process_noise_scale(),
+                noise_scales: &smpe.process_noise_scales(),
             };
             monitor.update(sample, &watched)
         })
@@ -304,7 +304,7 @@ fn nothing_makes_it_panic_or_lie() {
             covariance: &covariances[k % 3],
             residuals: &residuals,
             noise_std: &[f64::NAN, 0.0, -1.0, f64::INFINITY, 1.0, 1e300],
-            noise_scale: [f64::NAN, -1.0, f64::INFINITY][k % 3],
+            noise_scales: &[[f64::NAN, -1.0, f64::INFINITY][k % 3]],
         };
         let health = monitor.update(&sample, &watched);
         assert_ne!(health.condition, Condition::Healthy, "{k}");

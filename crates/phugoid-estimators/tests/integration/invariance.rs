@@ -256,7 +256,7 @@ impl Supervised for Smpe<Changed, N, R, P> {
     }
 
     fn noise_scale(&self) -> f64 {
-        self.process_noise_scale()
+        self.process_noise_scales()[0]
     }
 }
 
@@ -271,7 +271,7 @@ impl Supervised for JointEkf<Changed, N, R, P> {
     }
 
     fn noise_scale(&self) -> f64 {
-        self.process_noise_scale()
+        self.process_noise_scales()[0]
     }
 }
 

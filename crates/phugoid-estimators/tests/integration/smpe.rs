@@ -452,7 +452,7 @@ fn process_noise_adapts_to_what_drives_the_states() {
     settings.process_noise = ProcessNoise::adaptive([0.01 * drive, 0.0]);
     let mut estimator = Jet::new(JET, settings).unwrap();
     let last = *run(&mut estimator, &flight).last().unwrap();
-    let scale = estimator.process_noise_scale();
+    let [scale, ..] = estimator.process_noise_scales();
     println!("process noise scale {scale} for 100");
     assert!((50.0..200.0).contains(&scale), "{scale}");
     assert!(normalised_rms(&[last], &truth8()) < 2.0);

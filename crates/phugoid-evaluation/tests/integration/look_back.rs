@@ -94,21 +94,20 @@ fn no_derivative_is_blamed_for_a_trim_shift() {
     }
 }
 
-/// A flight of JSBSim's `L410` in light turbulence in which a constant moment sets in at 28 s, after which it flies 5 % faster (`scripts/field/make.py`,
-/// newcomers, `trim-shift-light`). The constants explain 89 % of what everything does, and no derivative is another one. Without the shift
-/// Cm_alpha came out as -0.138 +- 0.062, called converged.
+/// A flight of JSBSim's `C130` in light turbulence in which a constant moment sets in at 28 s, after which it flies at another angle of attack
+/// (`scripts/field/make.py`, strangers, `trim-shift-light`). The constants explain 92 % of what everything does, and no derivative is another one.
 #[test]
 fn a_trim_shift_in_gusts_is_found_where_no_derivative_is_another_one() {
     let tests = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/look-back");
-    let model = ModelFile::open(tests.join("l410-longitudinal.toml")).unwrap();
-    let record = Record::open(tests.join("l410-trim-shift.csv")).unwrap();
+    let model = ModelFile::open(tests.join("c130-longitudinal.toml")).unwrap();
+    let record = Record::open(tests.join("c130-trim-shift.csv")).unwrap();
     let found = run(&record, &model, EstimateOptions::default());
     assert_eq!(found.status, EstimationStatus::Sound, "{:?}", found.verdict);
     let [change] = &found.changes[..] else { panic!("{:?}", found.changes) };
     assert_eq!(change.opens, Opens::Constants);
     let [from_s, to_s] = change.interval_s.unwrap();
     assert!(from_s < 28.0 && 28.0 < to_s && to_s - from_s < 2.0, "{from_s} to {to_s}");
-    for (name, truth) in [("Cm_alpha", -0.6101), ("Cm_q", -36.22), ("Cm_elevator", -0.5709)] {
+    for (name, truth) in [("Cm_alpha", -0.321), ("Cm_q", -20.33), ("Cm_elevator", -0.6386)] {
         let p = found.parameter(name).unwrap();
         assert!((p.value - truth).abs() < 2.0 * p.corrected_std_error, "{p:?}");
     }
@@ -186,23 +185,23 @@ fn nothing_is_found_where_nothing_changes_and_where_nobody_looks() {
     }
 }
 
-/// A flight of JSBSim's `T38` in which nothing changes, with flow angles that lag (`scripts/field/make.py`, develop, `own-lags`). In
-/// flight a change is adopted at 10.6 s, with which CD_alpha is far off: -0.012, where it is 0.0785, and 0.080 without it.
+/// A flight of JSBSim's `dr1` in which nothing changes, after a long quiet (`scripts/field/make.py`, newcomers, `quiet-first`). In
+/// flight a change is adopted at 32.9 s, with which CD_alpha is far off: 0.009, where it is 0.0361, and 0.040 without it.
 #[test]
 fn what_was_adopted_in_flight_and_does_not_predict_better_is_taken_back() {
     let tests = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/look-back");
-    let model = ModelFile::open(tests.join("t38-longitudinal.toml")).unwrap();
-    let record = Record::open(tests.join("t38-own-lags.csv")).unwrap();
+    let model = ModelFile::open(tests.join("dr1-longitudinal.toml")).unwrap();
+    let record = Record::open(tests.join("dr1-quiet-first.csv")).unwrap();
     let drag = |found: &Estimation| found.parameters.iter().find(|p| p.name == "CD_alpha").unwrap().value;
 
     let causal = run(&record, &model, EstimateOptions::causal());
     let [adopted] = &causal.changes[..] else { panic!("{:?}", causal.changes) };
-    assert!(adopted.outcome.stands() && drag(&causal) < 0.0, "{:?}, {}", adopted.outcome, drag(&causal));
+    assert!(adopted.outcome.stands() && drag(&causal) < 0.02, "{:?}, {}", adopted.outcome, drag(&causal));
 
     let found = run(&record, &model, EstimateOptions::default());
     let [change] = &found.changes[..] else { panic!("{:?}", found.changes) };
     assert_eq!((change.outcome, change.time_s), (ChangeOutcome::WithdrawnAfterwards, adopted.time_s));
-    assert!((drag(&found) / 0.0785 - 1.0).abs() < 0.1, "{}", drag(&found));
+    assert!((drag(&found) / 0.0361 - 1.0).abs() < 0.15, "{}", drag(&found));
     // The estimate is that of a run without a search for changes; what was thought in flight is still told.
     let never = run(&record, &model, EstimateOptions { change_detection: Some(false), ..EstimateOptions::default() });
     let values = |found: &Estimation| found.parameters.iter().map(|p| p.value).collect::<Vec<_>>();

@@ -18,6 +18,7 @@ mod input_timing;
 mod lateral;
 mod look_back;
 mod manoeuvres;
+mod noise_levels;
 mod offer;
 mod predicted_bound;
 mod recorders;

@@ -16,34 +16,52 @@ fn by(method: Method) -> Estimation {
 }
 
 fn with(options: EstimateOptions) -> Estimation {
+    with_model(options, "")
+}
+
+/// The same, with lines added to the model file.
+fn with_model(options: EstimateOptions, lines: &str) -> Estimation {
     let tests = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests");
-    let model = ModelFile::open(tests.join("field/develop/pc7/longitudinal.toml")).unwrap();
+    let text = std::fs::read_to_string(tests.join("field/develop/pc7/longitudinal.toml")).unwrap();
+    let model = ModelFile::parse("longitudinal.toml", &format!("{text}\n{lines}\n")).unwrap();
     let record = Record::open(tests.join("second-answer/pc7-retrim.csv")).unwrap();
     let options = EstimateOptions { structure: StructureSearch::Never, ..options };
     estimate(&record, &model, &options, &mut |_| ()).unwrap()
 }
 
-/// The filters give the elevator almost twice its lift here, with a bound that does not hold it, and nothing in their residuals
-/// shows it. The equations of motion do.
+/// A small force that the vane's noise can hide. With noise levels from filters a decade apart in their process noise, both filters gave the elevator
+/// almost twice its lift here.
 #[test]
-fn a_filter_that_is_wrong_is_in_doubt_by_equation_error() {
+fn the_filters_and_equation_error_agree_on_a_small_derivative() {
     for method in [Method::Smpe, Method::Ekf] {
         let found = by(method);
         let lift = found.parameter("CL_elevator").unwrap();
-        let off = (lift.value - CL_ELEVATOR).abs();
-        assert!(off > 4.0 * lift.corrected_std_error, "{method}: {} +- {}", lift.value, lift.corrected_std_error);
-
-        assert_eq!(found.status, EstimationStatus::Doubtful, "{method}: {:?}", found.verdict);
-        let reason = found.reasons.iter().find(|reason| reason.code == ReasonCode::MethodsDisagree).unwrap();
-        assert!(reason.concerns.contains(&"CL_elevator".to_owned()), "{method}: {}", reason.sentence);
-        assert!(reason.sentence.contains("by equation-error"), "{}", reason.sentence);
-        assert!(found.parameters.iter().all(|p| p.status != FinalStatus::Converged));
-
-        let second = found.second_answer.as_ref().unwrap();
-        assert_eq!(second.method, Method::EquationError);
-        let other = second.values.iter().find(|value| value.name == "CL_elevator").unwrap();
-        assert!((other.value - CL_ELEVATOR).abs() < 2.0 * other.std_error, "{} +- {}", other.value, other.std_error);
+        assert!((lift.value - CL_ELEVATOR).abs() < 2.0 * lift.corrected_std_error, "{method}: {lift:?}");
+        assert!((lift.value / CL_ELEVATOR - 1.0).abs() < 0.15, "{method}: {}", lift.value);
+        assert_eq!(found.status, EstimationStatus::Sound, "{method}: {:?}", found.verdict);
     }
+}
+
+/// A model file that puts the process noise where none is (on the pitch angle alone): the filter gives the elevator twice its lift, with a bound that
+/// does not hold it, and nothing in its residuals shows it. The equations of motion do.
+#[test]
+fn a_filter_that_is_wrong_is_in_doubt_by_equation_error() {
+    let options = EstimateOptions { method: Some(Method::Smpe), ..EstimateOptions::default() };
+    let found = with_model(options, "[process_noise]\ntheta = 1e-5\nadaptive = true");
+    let lift = found.parameter("CL_elevator").unwrap();
+    let off = (lift.value - CL_ELEVATOR).abs();
+    assert!(off > 3.0 * lift.corrected_std_error, "{} +- {}", lift.value, lift.corrected_std_error);
+
+    assert_eq!(found.status, EstimationStatus::Doubtful, "{:?}", found.verdict);
+    let reason = found.reasons.iter().find(|reason| reason.code == ReasonCode::MethodsDisagree).unwrap();
+    assert!(reason.concerns.contains(&"CL_elevator".to_owned()), "{}", reason.sentence);
+    assert!(reason.sentence.contains("by equation-error"), "{}", reason.sentence);
+    assert!(found.parameters.iter().all(|p| p.status != FinalStatus::Converged));
+
+    let second = found.second_answer.as_ref().unwrap();
+    assert_eq!(second.method, Method::EquationError);
+    let other = second.values.iter().find(|value| value.name == "CL_elevator").unwrap();
+    assert!((other.value - CL_ELEVATOR).abs() < 2.0 * other.std_error, "{} +- {}", other.value, other.std_error);
 }
 
 /// What equation error says stands in the result, whether it agrees or not; a regression has nothing beside it.

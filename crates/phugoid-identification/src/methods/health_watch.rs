@@ -101,12 +101,13 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> Mo
         let mut covariance = [[0.0; P]; P];
         estimator.covariance(&mut covariance);
         let noise_std = estimator.noise().map_or([f64::NAN; R], |noise| noise.std);
+        let noise_scales: [f64; N] = std::array::from_fn(|state| estimator.process_noise_scale(state));
         let watched = Watched {
             estimate,
             covariance: &covariance,
             residuals: &estimator.innovations().normalised,
             noise_std: &noise_std,
-            noise_scale: estimator.process_noise_scale(),
+            noise_scales: &noise_scales,
         };
         let health = self.monitor.update(sample, &watched);
         let history = &mut self.run.history;

@@ -29,7 +29,7 @@ pub(crate) use readiness::ColumnVerdict;
 pub(crate) use room::{EveryRoom, causal_run};
 pub(crate) use second::by_equations;
 pub(crate) use stepper::CausalRun;
-pub(crate) use task::{ColumnRun, Disputed, Run, RunChange, Task};
+pub(crate) use task::{ColumnRun, Disputed, ModelError, Run, RunChange, Task};
 
 /// Runs the method of the task.
 ///

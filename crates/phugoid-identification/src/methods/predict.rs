@@ -97,7 +97,7 @@ fn predict_of<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
     let Some(first) = prepared.first() else { return Err(EstimateError::TooShort { samples: 0 }) };
     let noise = noise_levels(first, model)?;
     let options = EstimateOptions { method: Some(Method::OutputError), ..EstimateOptions::default() };
-    let task = Task { prepared: first, file: model, options: &options, noise: &noise, health: None };
+    let task = Task::new(first, model, &options, &noise);
     let mut structure = structure::<M, N, R>(&task)?;
     for (channel, noise) in structure.outputs.iter_mut().zip(&noise) {
         // A simulated record without noise gets the noise that the residuals of the model show.

@@ -21,7 +21,7 @@ const LATEST_S: f64 = 66.0;
 /// Samples that a second filter works off per update.
 const CATCH_UP: usize = 8;
 /// Ratio of a standard deviation to that of the last replay from which another one is worth it (0.5 in the logarithm
-/// of the variance), and of the scale of the process noise.
+/// of the variance), and of a scale of the process noise.
 const LEVEL_RATIO: f64 = 1.28;
 const SCALE_RATIO: f64 = std::f64::consts::E;
 
@@ -156,7 +156,7 @@ fn with_known<const N: usize, const R: usize, const P: usize>(
 }
 
 fn has_moved<const R: usize>(last: &NoiseReport<R>, now: &NoiseReport<R>) -> bool {
-    let beyond = |a: f64, b: f64, ratio: f64| a > ratio * b || b > ratio * a;
-    beyond(last.process_noise_scale, now.process_noise_scale, SCALE_RATIO)
-        || last.std.iter().zip(&now.std).any(|(a, b)| beyond(*a, *b, LEVEL_RATIO))
+    let beyond = |(a, b): (&f64, &f64)| *a > LEVEL_RATIO * b || *b > LEVEL_RATIO * a;
+    let scales = last.learnt.zip(now.learnt).map_or(1.0, |(last, now)| last.largest_scale_ratio(&now));
+    scales > SCALE_RATIO || last.std.iter().zip(&now.std).any(beyond)
 }

@@ -29,7 +29,7 @@ pub(super) fn by_filter<M: EveryRoom<N, R>, const N: usize, const R: usize>(
 ) -> Result<SecondAnswer, EstimateError> {
     let options = EstimateOptions { method: Some(FILTER), change_detection: Some(false), ..EstimateOptions::default() };
     let Task { prepared, file, noise, .. } = *task;
-    let own = Task { prepared, file, options: &options, noise, health: None };
+    let own = Task::new(prepared, file, &options, noise);
     let run = run_causal(&mut *causal_run(&own)?, &own, &mut |_| {})?;
     let is_derivative = |parameter: &&Parameter| !matches!(parameter.role, Role::Bias(_));
     let columns = file.estimated().zip(&run.columns).filter(|(parameter, _)| is_derivative(parameter));

@@ -8,6 +8,7 @@ use phugoid_estimators::settings::{
 };
 use phugoid_flight_data::statistics::median_step;
 
+use super::task::ModelError;
 use crate::core::axes::Axes;
 use crate::core::error::EstimateError;
 use crate::core::options::{EstimateOptions, Opens};
@@ -21,6 +22,9 @@ use crate::preparation::prepared::Prepared;
 /// The level of a residual where learning begins, over the white noise of its channel. On real flights it ended at 0.5
 /// to 260 times that, at 12 in the middle, and it falls faster than it rises.
 const START_OVER_WHITE: f64 = 10.0;
+/// Density of the process noise of a rate where learning begins, rad^2/s^3: what the moments of a model lack. On foreign flights
+/// it ended between 1e-7 and 6e-4, and it is found from above only.
+const MODEL_ERROR: f64 = 1e-4;
 /// Blocks of the colour correction where noise levels are learnt, s: residuals of real flights are correlated over
 /// more than half a second.
 const COLOUR_BLOCK_S: f64 = 2.0;
@@ -87,23 +91,23 @@ pub(super) fn shared_settings<M: Motion<N, R>, const N: usize, const R: usize, c
 
 /// The settings of a filter that learns its noise levels, and the size of an adaptive process noise, in flight.
 ///
-/// The size of the process noise that the file gives decides nothing: the scales tried are those of light turbulence.
-/// Its shape, and that it does not adapt, hold as given.
+/// The size of the process noise that the file gives decides nothing: each state begins with light turbulence, and a rate with
+/// [`MODEL_ERROR`]. That a state has none, and that it does not adapt, hold as given.
 pub(super) fn learning<const N: usize, const R: usize, const P: usize>(
     settings: &EstimatorSettings<N, R, P>,
     axes: Axes,
     noise: &[NoiseLevel; R],
+    model_error: ModelError,
 ) -> EstimatorSettings<N, R, P> {
     let mut own = *settings;
     let mut learning = NoiseLearning::from_white(noise.map(|level| level.white));
-    // By how much the given process noise is larger than light turbulence, on average of the states that have both.
-    let usual = axes.states().iter().map(|state| LIGHT_TURBULENCE[state.index()]);
-    let given = settings.process_noise.variance_per_s;
-    let ratios: Vec<f64> =
-        given.iter().zip(usual).filter(|(g, u)| **g > 0.0 && *u > 0.0).map(|(g, u)| (g / u).ln()).collect();
-    if !ratios.is_empty() {
-        let size = (ratios.iter().sum::<f64>() / ratios.len() as f64).exp();
-        learning.scales = learning.scales.map(|scale| scale / size);
+    for ((i, state), given) in axes.states().iter().enumerate().zip(settings.process_noise.variance_per_s) {
+        learning.slow[i] = is_rate(*state) && model_error == ModelError::Slow;
+        learning.shared[i] = !is_rate(*state);
+        let usual = if is_rate(*state) { MODEL_ERROR } else { LIGHT_TURBULENCE[state.index()] };
+        if given > 0.0 && usual > 0.0 {
+            learning.first_scale[i] = usual / given;
+        }
     }
     own.noise_learning = Some(learning);
     for (std, level) in own.noise_std.iter_mut().zip(noise) {
@@ -117,6 +121,10 @@ pub(super) fn learning<const N: usize, const R: usize, const P: usize>(
         detection.adoption = ADOPTION;
     }
     own
+}
+
+fn is_rate(state: Output) -> bool {
+    matches!(state, Output::RollRate | Output::PitchRate | Output::YawRate)
 }
 
 /// Where a state that nothing measures starts, and one sigma of that: the reference speed, or flight nearly level and straight.

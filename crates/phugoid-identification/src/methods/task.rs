@@ -129,9 +129,31 @@ pub(crate) struct Task<'a, M: Motion<N, R>, const N: usize, const R: usize> {
     pub(crate) noise: &'a [NoiseLevel; R],
     /// The options of the health monitor; `None` without one.
     pub(crate) health: Option<&'a HealthOptions>,
+    pub(crate) model_error: ModelError,
 }
 
-impl<M: Motion<N, R>, const N: usize, const R: usize> Task<'_, M, N, R> {
+/// How the process noise of the rates is learnt, which stands for the moments that the model lacks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum ModelError {
+    /// Once the parameters are known it rises slowly, so that a sudden change of the aircraft is not taken for it.
+    Slow,
+    /// As fast as the data say: where changes have been looked for already.
+    Free,
+}
+
+impl<'a, M: Motion<N, R>, const N: usize, const R: usize> Task<'a, M, N, R> {
+    /// A run without a health monitor. Where nobody looks for sudden changes, nothing can be taken for model error that is one.
+    pub(crate) fn new(
+        prepared: &'a Prepared<M, N, R>,
+        file: &'a ModelFile,
+        options: &'a EstimateOptions,
+        noise: &'a [NoiseLevel; R],
+    ) -> Self {
+        let looks = options.change_detection.unwrap_or(file.change_detection);
+        let model_error = if looks { ModelError::Slow } else { ModelError::Free };
+        Self { prepared, file, options, noise, health: None, model_error }
+    }
+
     /// The method: as asked for, else as the model file says.
     pub(crate) fn method(&self) -> Method {
         self.options.method.unwrap_or(self.file.estimator.method)

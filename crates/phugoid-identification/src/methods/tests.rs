@@ -57,7 +57,7 @@ fn run_in_room<const P: usize>(
     set_up: SetUpFlown<P>,
 ) -> Result<Run<OUTPUTS>, EstimateError> {
     let options = EstimateOptions { method: Some(method), ..EstimateOptions::default() };
-    let task = Task { prepared, file, options: &options, noise, health: None };
+    let task = Task::new(prepared, file, &options, noise);
     run_causal(&mut *in_room::<_, _, _, P>(&task, set_up)?, &task, &mut |_| {})
 }
 

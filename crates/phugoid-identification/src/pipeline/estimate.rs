@@ -229,7 +229,7 @@ fn once<'a, M: EveryRoom<N, R> + 'a, const N: usize, const R: usize>(
     let doubts = doubts(record, model)?;
     let noise = noise_levels(&prepared, model)?;
     let model = prepared.with_time_of_surfaces(model).into_owned();
-    let task = Task { prepared: &prepared, file: &model, options, noise: &noise, health };
+    let task = Task { health, ..Task::new(&prepared, &model, options, &noise) };
     // The second look takes the second half.
     let first = if looks_back(&task) { 0.5 } else { 1.0 };
     let causal = run(&task, &mut |done| progress(first * done))?;
@@ -245,7 +245,7 @@ fn once<'a, M: EveryRoom<N, R> + 'a, const N: usize, const R: usize>(
     let options = options.clone();
     let evidence = run.evidence();
     let with_missing = Box::new(move |missing| {
-        let task = Task { prepared: &prepared, file: &model, options: &options, noise: &noise, health: None };
+        let task = Task::new(&prepared, &model, &options, &noise);
         summarise(record, &task, &run, &doubts, Some(missing))
     });
     Ok(Once { estimation, evidence, with_missing, watched, offer })
@@ -259,5 +259,5 @@ fn asked_for<M: EveryRoom<N, R>, const N: usize, const R: usize>(
 ) -> Result<Option<Offer>, EstimateError> {
     let prepared: Prepared<M, N, R> = prepare(record, model)?;
     let noise = noise_levels(&prepared, model)?;
-    search(record, &Task { prepared: &prepared, file: model, options, noise: &noise, health: None })
+    search(record, &Task::new(&prepared, model, options, &noise))
 }

@@ -18,7 +18,7 @@ use crate::core::estimation::{ChangeOutcome, Event, EventKind, without_part};
 use crate::core::options::{EstimateOptions, KnownChange, Opens};
 use crate::core::term::Coefficient;
 use crate::judge::both_sides::BothSides;
-use crate::methods::{ColumnRun, Disputed, EveryRoom, Run, RunChange, Task, run};
+use crate::methods::{ColumnRun, Disputed, EveryRoom, ModelError, Run, RunChange, Task, run};
 use crate::model_file::{Base, Role};
 
 /// Flight from the first motion to the first moment that is asked about, s: until then the estimates are still being found, and
@@ -99,12 +99,59 @@ pub(super) fn look_back<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     if !looks_back(task) || !first.excited {
         return Ok(first);
     }
+    let searched = searched(task, first, progress)?;
+    let run = settled(task, searched)?;
+    progress(1.0);
+    Ok(run)
+}
+
+/// Once the changes are known, what the model lacks may be learnt as fast as the data say ([`ModelError::Free`]), and the record
+/// is run once more so. That run stands if it predicts the record better. Where a change stands that was adopted in flight, the
+/// run stands in which it was: another one would not open the parameters as that did.
+fn settled<M: EveryRoom<N, R>, const N: usize, const R: usize>(
+    task: &Task<M, N, R>,
+    searched: Run<R>,
+) -> Result<Run<R>, EstimateError> {
+    if searched.status.change == ChangeState::InDoubt {
+        return Ok(searched);
+    }
+    let mut known = task.options.known_changes.clone();
+    let found = searched.changes.iter().filter(|change| change.outcome == ChangeOutcome::FoundAfterwards);
+    for RunChange { time_s, opens, .. } in found {
+        known = added(&known, KnownChange { time_s: *time_s, opens: *opens });
+    }
+    let free = Again { task, model_error: ModelError::Free }.with(&known)?;
+    let again = |change: &RunChange| free.changes.iter().find(|own| own.time_s == change.time_s);
+    let is_repeated = searched.changes.iter().all(|change| !change.outcome.stands() || again(change).is_some());
+    if !is_repeated || free.evidence() <= searched.evidence() {
+        return Ok(searched);
+    }
+    let mut changes = searched.changes;
+    for change in changes.iter_mut().filter(|change| change.outcome.stands()) {
+        if let Some(own) = again(change) {
+            (change.before, change.after) = (own.before.clone(), own.after.clone());
+        }
+    }
+    // What was said of changes is what the search said.
+    let of_changes = searched.events.into_iter().filter(|event| event.kind.is_of_detector());
+    let others = free.events.into_iter().filter(|event| !event.kind.is_of_detector());
+    let mut events: Vec<Event> = others.chain(of_changes).collect();
+    events.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
+    Ok(Run { changes, events, detector: searched.detector, disputed: searched.disputed, ..free })
+}
+
+/// The run with the changes that the record shows.
+fn searched<M: EveryRoom<N, R>, const N: usize, const R: usize>(
+    task: &Task<M, N, R>,
+    first: Run<R>,
+    progress: &mut dyn FnMut(f64),
+) -> Result<Run<R>, EstimateError> {
     let Some(end_s) = task.prepared.time.last().copied() else { return Ok(first) };
     let window = window(task, &first);
     if window.is_none() && !first.changes.iter().any(|change| change.outcome.stands()) {
         return Ok(first);
     }
-    let again = Again { task };
+    let again = Again { task, model_error: ModelError::Slow };
     let without = again.with(&task.options.known_changes)?;
     let Searched { found, disputed } = match window {
         Some(window) => search(&again, window, &without, progress)?,
@@ -290,6 +337,7 @@ fn added(known: &[KnownChange], change: KnownChange) -> Vec<KnownChange> {
 /// Runs of the same method with the parameters opened at given times.
 struct Again<'a, 'b, M: EveryRoom<N, R>, const N: usize, const R: usize> {
     task: &'a Task<'b, M, N, R>,
+    model_error: ModelError,
 }
 
 /// A change that was asked about, and the run that was opened there.
@@ -307,7 +355,7 @@ impl<M: EveryRoom<N, R>, const N: usize, const R: usize> Again<'_, '_, M, N, R> 
             ..self.task.options.clone()
         };
         let Task { prepared, file, noise, .. } = *self.task;
-        run(&Task { prepared, file, options: &options, noise, health: None }, &mut |_| {})
+        run(&Task { model_error: self.model_error, ..Task::new(prepared, file, &options, noise) }, &mut |_| {})
     }
 
     fn at(&self, known: &[KnownChange], change: KnownChange) -> Result<Tried<R>, EstimateError> {

@@ -219,7 +219,7 @@ fn differences(
         };
         value_differences.push(difference(&estimate.parameters, &values));
         error_differences.push(difference(&estimate.std_error, &errors));
-        scale_differences.push(smpe.process_noise_scale() / scale[k] - 1.0);
+        scale_differences.push(smpe.process_noise_scales()[0] / scale[k] - 1.0);
         for j in 0..trace.parameters.len() {
             assert!(estimate.corrected_std_error[j] >= estimate.std_error[j]);
         }

@@ -25,7 +25,7 @@ fn fly<const P: usize>() {
         covariance: &black_box([[0.0; P]; P]),
         residuals: &estimator.innovations().normalised,
         noise_std: &black_box([0.01; OUTPUTS]),
-        noise_scale: black_box(1.0),
+        noise_scales: &black_box([1.0; 4]),
     };
     black_box(monitor.update(&sample, &watched));
     black_box((monitor.expected(), monitor.threshold()));

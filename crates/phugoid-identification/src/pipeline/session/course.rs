@@ -73,7 +73,7 @@ where
     doubts(start, file)?;
     let noise = noise_levels(&prepared, file)?;
     let file = &*prepared.with_time_of_surfaces(file);
-    let task = Task { prepared: &prepared, file, options, noise: &noise, health: None };
+    let task = Task::new(&prepared, file, options, &noise);
     let position = |name: &str| channels.iter().position(|channel| channel == name);
     let known = prepared.known.iter().zip(&prepared.origins).map(|(signal, origin)| Input {
         name: signal.name.clone(),
