@@ -54,8 +54,10 @@ fn measure<const R: usize, const P: usize>(method: &str, parameters: usize, dete
         settings.change_detection = None;
     }
     if learn {
-        settings.noise_learning = Some(NoiseLearning::from_white([0.005; R]));
-        settings.process_noise = ProcessNoise::adaptive([1e-4; 4]);
+        // As in the longitudinal motion: gusts move two states, and what the model lacks a third one.
+        let shared = [true, true, false, false];
+        settings.noise_learning = Some(NoiseLearning { shared, ..NoiseLearning::from_white([0.005; R]) });
+        settings.process_noise = ProcessNoise::adaptive([1e-4, 1e-4, 0.0, 1e-4]);
     }
     let samples = flight::<R, P>(&model, WARM_UP + MEASURED);
     println!("{method}, p = {parameters} of P = {P}, R = {R}");

@@ -556,9 +556,10 @@ mod tests {
         }
     }
 
-    /// Data of the filter's own model, 400 s: the levels and both scales are found, whether they begin a hundred times too large or
-    /// (the levels) too small. The Fisher information of half a minute, which is the memory, leaves about 8 % of a
-    /// variance of an output and 35 % of one of the process noise, one sigma.
+    /// Data of the filter's own model, 400 s: levels and scales are found where the scales begin a hundred times too large, and the levels
+    /// ten times too large or half of what they are. (Levels that are far too small beside such scales are not: both leave the same
+    /// trace.) The Fisher information of half a minute, which is the memory, leaves about 8 % of a variance of an output and 35 % of
+    /// one of the process noise, one sigma.
     #[test]
     fn levels_and_scales_are_found_from_far_away() {
         let (std, scales) = ([0.2, 0.3, 0.5], [0.5, 0.1]);
