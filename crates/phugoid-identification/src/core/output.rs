@@ -80,6 +80,15 @@ impl Output {
         self.dimension().si_unit()
     }
 
+    /// The physical dimension of the spectral density of its rate, where it is a state with process noise.
+    pub(crate) fn density_dimension(self) -> Dimension {
+        match self {
+            Self::TrueAirspeed => Dimension::SPEED_NOISE,
+            Self::RollRate | Self::PitchRate | Self::YawRate => Dimension::ANGULAR_RATE_NOISE,
+            _ => Dimension::ANGLE_NOISE,
+        }
+    }
+
     /// The output with this channel name.
     pub fn from_name(name: &str) -> Option<Self> {
         Self::NAMES.iter().position(|n| *n == name).map(|i| Self::ALL[i])

@@ -3,6 +3,8 @@
 use phugoid_estimators::DetectorState;
 use phugoid_estimators::verdict::Readiness;
 
+use crate::batch::{Unknown, UnknownKind};
+use crate::core::axes::Axes;
 use crate::core::estimation::{
     AdoptedChange, BatchReport, ChangeOutcome, ChangedParameter, FinalStatus, History, ParameterResult, ReasonCode,
     Signal, VerdictReason, headline,
@@ -69,7 +71,8 @@ fn noise<M: Motion<N, R>, const N: usize, const R: usize>(
     run: &Run<R>,
     sentences: &mut Vec<String>,
 ) {
-    if run.batch.is_some() {
+    if let Some(report) = &run.batch {
+        sentences.extend(noise_of_fit(M::AXES, report));
         return;
     }
     let used = || M::AXES.outputs().iter().zip(task.noise).enumerate().filter(|(_, (_, level))| level.std > 0.0);
@@ -105,7 +108,29 @@ fn noise<M: Motion<N, R>, const N: usize, const R: usize>(
     }
 }
 
-/// The sentences about a batch method: its notes, and how well its parameters predict another record.
+/// The sentence about the noise of a fit in time: the levels of the outputs, and the process noise that filter error found. None where
+/// the levels are those of equations or of a band.
+fn noise_of_fit(axes: Axes, report: &BatchReport) -> Option<String> {
+    if report.band.is_some() || !report.equations.is_empty() {
+        return None;
+    }
+    let levels = axes.outputs().iter().zip(&report.noise_std).filter(|(_, std)| std.is_finite());
+    let levels: Vec<String> = levels.map(|(o, std)| format!("{} {std:.3e} {}", o.name(), o.unit())).collect();
+    let density = |unknown: &Unknown| match unknown.kind {
+        UnknownKind::ProcessNoise { state } => {
+            let state = axes.states().get(state)?;
+            Some(format!("{} {:.3e} {}", state.name(), unknown.value, state.density_dimension().si_unit()))
+        }
+        _ => None,
+    };
+    let densities: Vec<String> = report.unknowns.iter().filter_map(density).collect();
+    let found = match &densities[..] {
+        [] => String::new(),
+        densities => format!(" Spectral densities of the process noise that was found: {}.", densities.join(", ")),
+    };
+    (!levels.is_empty()).then(|| format!("Noise of the outputs, one sigma: {}.{found}", levels.join(", ")))
+}
+
 /// Outputs whose residuals are not of one level over the band.
 fn uneven(report: &BatchReport, sentences: &mut Vec<String>) {
     let fits = report.manoeuvres.iter().flat_map(|(_, fits)| fits).filter(|fit| !fit.white);
@@ -120,6 +145,7 @@ fn uneven(report: &BatchReport, sentences: &mut Vec<String>) {
     }
 }
 
+/// The sentences about a batch method: its notes, and how well its parameters predict another record.
 fn batch(report: &BatchReport, sentences: &mut Vec<String>) {
     if let Some(band) = &report.band {
         let fits = report.manoeuvres.iter().flat_map(|(_, fits)| fits);

@@ -83,6 +83,22 @@ fn further_records_sharpen_the_bounds_and_a_prediction_is_judged() {
     assert!(json["batch"]["prediction"]["fit"][0]["theil"].is_f64(), "{json}");
 }
 
+/// What a fit weighs by is said, in the numbers of the result: the noise of the outputs, and the process noise where that is found too.
+#[test]
+fn the_noise_of_a_fit_is_said() {
+    for (method, finds_process_noise) in [(Method::OutputError, false), (Method::FilterError, true)] {
+        let found = run(method, EstimateOptions::default());
+        let said = found.verdict.iter().find(|s| s.starts_with("Noise of the outputs, one sigma: ")).unwrap();
+        for noise in &found.noise {
+            let level = format!("{} {:.3e} {}", noise.name, noise.values[0], noise.unit);
+            assert!(said.contains(&level), "{method}: {said} without {level}");
+        }
+        assert_eq!(said.contains("process noise that was found: true_airspeed"), finds_process_noise, "{said}");
+    }
+    let equations = run(Method::EquationError, EstimateOptions::default());
+    assert!(equations.verdict.iter().all(|s| !s.starts_with("Noise of the outputs")), "{:?}", equations.verdict);
+}
+
 /// Parameters from a weak and short manoeuvre predict a strong one: the intervals are several times the noise, and hold.
 #[test]
 fn prediction_intervals_hold_what_is_measured() {

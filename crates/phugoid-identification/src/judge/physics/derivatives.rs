@@ -410,6 +410,40 @@ pub(super) fn fin_arm(derivatives: &Derivatives) -> Option<VerdictReason> {
     })
 }
 
+/// Largest arm of the elevator's force, roots of the wing area, if it were as large as the lift of the whole aircraft at the same angle. With
+/// the true values of eighteen aircraft of another simulator it is 0.03 to 0.30 (a rocket plane with an all-moving tail); an elevator in
+/// degrees that are called radians makes 57 times as much.
+const ELEVATOR_ARM: f64 = 0.6;
+
+/// The pitching moment by the elevator against the lift by the angle of attack: an elevator lifts less than the aircraft of which it is a part.
+/// The size of the moment alone does not say so of an aircraft whose reference length is long.
+pub(super) fn elevator_arm(derivatives: &Derivatives, body: &Body) -> Option<VerdictReason> {
+    let moment = derivatives.find(Coefficient::PitchingMoment, Variable::Elevator)?;
+    let lift = derivatives.find(Coefficient::Lift, Variable::Alpha)?;
+    let longest_m = ELEVATOR_ARM * body.wing_area.sqrt();
+    // What the moment has beyond the longest arm, over q S, with the standard errors of both.
+    let excess = moment.value.abs() * body.mean_chord - longest_m * lift.value;
+    let std_error = (moment.std_error * body.mean_chord).hypot(longest_m * lift.std_error);
+    (lift.value > 0.0 && excess > SIGNIFICANT * std_error).then(|| {
+        let concerns: Vec<&str> =
+            moment.names.iter().map(String::as_str).chain(["elevator", "[aircraft] iyy", "[aircraft] mean_chord"]).collect();
+        reason(
+            false,
+            &concerns,
+            format!(
+                "{} is {} and {} is {}: an elevator that lifted as much as the whole aircraft would have to act {:.0} m from the \
+                 centre of gravity for that, and {longest_m:.0} m is the limit. Check the unit of `elevator` (deg or rad), \
+                 iyy and the lengths under [aircraft].",
+                moment.words(),
+                moment.number(),
+                lift.words(),
+                lift.number(),
+                moment.value.abs() * body.mean_chord / lift.value,
+            ),
+        )
+    })
+}
+
 /// Part of the rolling moment that a product of inertia of the wrong sign adds to the yawing moment, from which it is looked
 /// for: the yawing moments by roll rate and aileron are of that size by themselves.
 const MIXED: f64 = 0.15;
@@ -563,11 +597,34 @@ mod tests {
         Flown { mach: Some(0.18), largest_alpha: Some(0.1), ..Flown::default() }
     }
 
+    /// A lifting body whose chord is its length, 11.4 m: 55 times its elevator's moment is still one that other aeroplanes have.
+    #[test]
+    fn an_elevator_in_degrees_called_radians_has_an_arm_that_none_has() {
+        let body = Body { wing_area: 30.7, mean_chord: 11.4, wing_span: Some(5.8), ..WING };
+        let of = |moment: f64, std_error: f64| {
+            Derivatives(vec![
+                one(Coefficient::Lift, Variable::Alpha, 1.24, 0.09),
+                one(Coefficient::PitchingMoment, Variable::Elevator, moment, std_error),
+            ])
+        };
+        let found = elevator_arm(&of(-3.65, 0.32), &body).unwrap();
+        assert_eq!(sizes(&of(-3.65, 0.32)), []);
+        assert!(
+            found.sentence.contains("34 m") && found.concerns.contains(&"elevator".to_owned()),
+            "{}",
+            found.sentence
+        );
+        // What is not known well says nothing, and the true value is none.
+        assert_eq!(elevator_arm(&of(-3.65, 1.2), &body), None);
+        assert_eq!(elevator_arm(&of(-0.066, 0.006), &body), None);
+    }
+
     #[test]
     fn a_sound_aircraft_raises_nothing() {
         let (all, flown) = (sound(), flown());
         assert_eq!((signs(&all, &flown), sizes(&all)), (Vec::new(), Vec::new()));
         assert_eq!((lift_slope(&all, &flown, &WING), drag(&all)), (None, None));
+        assert_eq!(elevator_arm(&all, &WING), None);
     }
 
     #[test]

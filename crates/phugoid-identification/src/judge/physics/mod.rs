@@ -46,6 +46,7 @@ pub(crate) fn reasons<M: Motion<N, R>, const N: usize, const R: usize>(
         found.extend(derivatives::lift_slope(&derivatives, &flown, &body));
         found.extend(derivatives::roll_damping(&derivatives, &flown, &body));
         found.extend(derivatives::fin_arm(&derivatives));
+        found.extend(derivatives::elevator_arm(&derivatives, &body));
         found.extend(late::reasons(&derivatives, &flown, &body));
         found.extend(derivatives::product_of_inertia(&derivatives, &body));
         found.extend(derivatives::sizes(&derivatives));

@@ -1,7 +1,5 @@
 //! The measured outputs and their noise: `outputs`, `[noise]`, `[process_noise]`.
 
-use phugoid_flight_data::quantity::Dimension;
-
 use super::axes::other_axes;
 use crate::core::axes::Axes;
 use crate::core::output::{CHANNELS as OUTPUT_CHANNELS, Output, STATE_CHANNELS};
@@ -92,12 +90,7 @@ pub(super) fn process_noise(top: &Section, axes: Axes) -> Result<ProcessNoise, M
     section.allow("key", axes.states().iter().map(|o| o.name()).chain(["adaptive"]))?;
     let mut density = [0.0; STATE_CHANNELS];
     for (slot, output) in density.iter_mut().zip(Output::ALL) {
-        let dimension = match output {
-            Output::TrueAirspeed => Dimension::SPEED_NOISE,
-            Output::RollRate | Output::PitchRate | Output::YawRate => Dimension::ANGULAR_RATE_NOISE,
-            _ => Dimension::ANGLE_NOISE,
-        };
-        *slot = section.number(output.name(), dimension)?.unwrap_or(0.0);
+        *slot = section.number(output.name(), output.density_dimension())?.unwrap_or(0.0);
         if *slot < 0.0 {
             return Err(section.error(output.name(), format!("`{}` is negative", output.name())));
         }
