@@ -125,12 +125,14 @@ impl<const N: usize, const R: usize> Likelihood<N, R> {
         let mut shared = None;
         for i in 0..N {
             let first = learning.first_scale[i];
-            if fixed_scale.is_none() && variance_per_s[i] > 0.0 && scales < most {
+            let has_noise = variance_per_s[i] > 0.0;
+            if fixed_scale.is_some() || !has_noise {
+                continue;
+            }
+            if learning.shared[i] && shared.is_some() {
+                scale_of[i] = shared;
+            } else if scales < most {
                 if learning.shared[i] {
-                    if shared.is_some() {
-                        scale_of[i] = shared;
-                        continue;
-                    }
                     shared = Some(scales);
                 }
                 log_scale[scales] = libm::log(first);
@@ -160,9 +162,7 @@ impl<const N: usize, const R: usize> Likelihood<N, R> {
             settled_s: 0.0,
             known_until_s: None,
         };
-        for (k, row) in likelihood.information.iter_mut().enumerate() {
-            row[k] = least(k, R);
-        }
+        likelihood.forget_information();
         if let Some((learnt, until_s)) = &learning.known {
             likelihood.go_back(learnt);
             likelihood.known_until_s = Some(*until_s);
@@ -185,6 +185,14 @@ impl<const N: usize, const R: usize> Likelihood<N, R> {
         derivatives.chain([&mut self.state]).for_each(|state| state.offset = [0.0; N]);
     }
 
+    /// Nothing is known of the levels but their values.
+    fn forget_information(&mut self) {
+        self.information = [[0.0; UNKNOWNS]; UNKNOWNS];
+        for (k, row) in self.information.iter_mut().enumerate() {
+            row[k] = least(k, R);
+        }
+    }
+
     pub(crate) fn learnt(&self) -> LearntLevels<R> {
         LearntLevels { variance: self.variance, log_scale: self.log_scale }
     }
@@ -202,9 +210,16 @@ impl<const N: usize, const R: usize> Likelihood<N, R> {
 
     /// One sigma per output, and the scale of each state's process noise.
     pub(crate) fn levels(&self) -> ([f64; R], [f64; N]) {
-        let scale = self.log_scale.map(libm::exp);
+        (self.variance.map(libm::sqrt), self.state_scales())
+    }
+
+    fn state_scales(&self) -> [f64; N] {
+        let mut scale = [0.0; SCALES];
+        for (to, log) in scale.iter_mut().zip(&self.log_scale).take(self.scales) {
+            *to = libm::exp(*log);
+        }
         let of_state = |k: Option<usize>| k.and_then(|k| scale.get(k).copied()).unwrap_or(self.fixed_scale);
-        (self.variance.map(libm::sqrt), self.scale_of.map(of_state))
+        self.scale_of.map(of_state)
     }
 
     /// Takes a frame. With `hold` only the state goes on. False if nothing was learnt.
@@ -259,7 +274,7 @@ impl<const N: usize, const R: usize> Likelihood<N, R> {
             state.propagate(transition);
         }
         self.of_scale.iter_mut().take(self.scales).for_each(|state| state.propagate(transition));
-        let (_, scale) = self.levels();
+        let scale = self.state_scales();
         for i in 0..N {
             let added = self.variance_per_s[i] * scale[i] * interval_s;
             self.state.covariance[i][i] += added;
@@ -354,7 +369,13 @@ impl<const N: usize, const R: usize> Likelihood<N, R> {
         for (k, row) in matrix.iter_mut().enumerate() {
             row[k] = (row[k] + ADDED * least(k, R)).max(least(k, R));
         }
-        let Some(factor) = Cholesky::new(&mut matrix, self.count()) else { return };
+        let Some(factor) = Cholesky::new(&mut matrix, self.count()) else {
+            // An overflow would stay for ever, and no level would be learnt again.
+            if !self.information.iter().flatten().sum::<f64>().is_finite() {
+                self.forget_information();
+            }
+            return;
+        };
         factor.solve(&mut slope);
         let wanted = |k: usize| slope.get(k).copied().filter(|step| step.is_finite()).unwrap_or(0.0);
         for output in 0..R {
@@ -478,6 +499,10 @@ fn exponential(x: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use rand::SeedableRng;
+    use rand_distr::{Distribution, StandardNormal};
+    use rand_pcg::Pcg64Mcg;
+
     use super::{FREE_S, Frame, Likelihood, RISES_IN_S};
     use crate::settings::{NoiseLearning, SCALES};
 
@@ -505,18 +530,8 @@ mod tests {
         likelihood.take(frame, INTERVAL_S, hold, 5.0, &[false; 3]);
     }
 
-    /// Numbers with mean zero and variance one: the sum of twelve of a linear congruential generator (Knuth's MMIX).
-    struct Normal(u64);
-
-    impl Normal {
-        fn next(&mut self) -> f64 {
-            let mut sum = -6.0;
-            for _ in 0..12 {
-                self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-                sum += (self.0 >> 11) as f64 / (1_u64 << 53) as f64;
-            }
-            sum
-        }
+    fn normal(rng: &mut Pcg64Mcg) -> f64 {
+        StandardNormal.sample(rng)
     }
 
     /// The derivatives that run along are those of the filter: central differences over a few frames, one of them with a bounded
@@ -567,14 +582,14 @@ mod tests {
             let learning =
                 NoiseLearning { first_scale: [50.0, 10.0], ..NoiseLearning::from_white(std.map(|std| 0.01 * std)) };
             let mut own = likelihood(std.map(|std| std * start), &learning);
-            let mut normal = Normal(7);
+            let mut rng = Pcg64Mcg::seed_from_u64(7);
             let mut x = [0.0, 0.0];
             for k in 0..4000 {
-                let noise: [f64; 2] = [1.0, 4.0].map(|q: f64| libm::sqrt(q * INTERVAL_S) * normal.next());
+                let noise: [f64; 2] = [1.0, 4.0].map(|q: f64| libm::sqrt(q * INTERVAL_S) * normal(&mut rng));
                 let moved = [x[0] + INTERVAL_S * x[1], -0.2 * x[0] + 0.9 * x[1]];
                 x = [0, 1].map(|i| moved[i] + libm::sqrt(scales[i]) * noise[i]);
                 let y = [x[0], 0.5 * x[0] - 2.0 * x[1], x[1]];
-                let mut frame = frame([0, 1, 2].map(|i| y[i] + std[i] * normal.next()));
+                let mut frame = frame([0, 1, 2].map(|i| y[i] + std[i] * normal(&mut rng)));
                 frame.time_s = f64::from(k) * INTERVAL_S;
                 take(&mut own, &frame, false);
             }
@@ -618,7 +633,7 @@ mod tests {
         let settled = |slow: [bool; 2], teaches: bool| {
             let learning = NoiseLearning { slow, first_scale: [1e-2; 2], ..NoiseLearning::from_white([0.0; 3]) };
             let mut own = likelihood([0.05; 3], &learning);
-            let mut normal = Normal(3);
+            let mut rng = Pcg64Mcg::seed_from_u64(3);
             let (mut x, mut before) = ([0.0; 2], 0.0);
             for k in 0..(3.0 * FREE_S / INTERVAL_S) as usize {
                 // From two thirds on the second state is pushed about a hundred times as much.
@@ -626,10 +641,10 @@ mod tests {
                 if !pushed {
                     before = own.log_scale[1];
                 }
-                let push = libm::sqrt(4.0 * INTERVAL_S * if pushed { 1.0 } else { 1e-2 }) * normal.next();
+                let push = libm::sqrt(4.0 * INTERVAL_S * if pushed { 1.0 } else { 1e-2 }) * normal(&mut rng);
                 x = [x[0] + INTERVAL_S * x[1], -0.2 * x[0] + 0.9 * x[1] + push];
                 let y = [x[0], 0.5 * x[0] - 2.0 * x[1], x[1]];
-                let mut frame = frame(y.map(|y| y + 0.05 * normal.next()));
+                let mut frame = frame(y.map(|y| y + 0.05 * normal(&mut rng)));
                 frame.teaches[0] = teaches;
                 take(&mut own, &frame, false);
             }
@@ -660,6 +675,19 @@ mod tests {
         take(&mut own, &frame([0.9, -0.2, 0.3]), false);
         let [one, other] = own.levels().1;
         assert!(one == other && one != 2.0, "{one} {other}");
+    }
+
+    /// Information that overflowed does not end the learning.
+    #[test]
+    fn learning_goes_on_after_an_overflow() {
+        for wrong in [f64::NAN, f64::INFINITY] {
+            let mut own = likelihood([0.2, 0.3, 0.5], &NoiseLearning::from_white([0.0; 3]));
+            own.information[1][0] = wrong;
+            take(&mut own, &frame([0.3, -0.2, 0.9]), false);
+            let before = own.levels();
+            take(&mut own, &frame([0.3, -0.2, 0.9]), false);
+            assert_ne!(own.levels(), before);
+        }
     }
 
     /// What was learnt goes back to where it was, and what is known is used as it is until its time.

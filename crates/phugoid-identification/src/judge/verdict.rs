@@ -10,6 +10,7 @@ use crate::core::estimation::{
     Signal, VerdictReason, headline,
 };
 use crate::core::options::Opens;
+use crate::core::output::Output;
 use crate::judge::contradiction::{Spread, colour};
 use crate::judge::{physics, systematic};
 use crate::methods::{Run, Task};
@@ -79,7 +80,7 @@ fn noise<M: Motion<N, R>, const N: usize, const R: usize>(
     let list = |levels: &mut dyn Iterator<Item = (usize, f64)>| -> Vec<String> {
         levels
             .filter_map(|(row, std)| Some((M::AXES.outputs().get(row)?, std)))
-            .map(|(o, std)| format!("{} {std:.3e} {}", o.name(), o.unit()))
+            .map(|(output, std)| level(output, std))
             .collect()
     };
     let Some(learnt) = &run.noise else {
@@ -108,6 +109,11 @@ fn noise<M: Motion<N, R>, const N: usize, const R: usize>(
     }
 }
 
+/// An output with its noise level, one sigma.
+fn level(output: &Output, std: f64) -> String {
+    format!("{} {std:.3e} {}", output.name(), output.unit())
+}
+
 /// The sentence about the noise of a fit in time: the levels of the outputs, and the process noise that filter error found. None where
 /// the levels are those of equations or of a band.
 fn noise_of_fit(axes: Axes, report: &BatchReport) -> Option<String> {
@@ -115,7 +121,7 @@ fn noise_of_fit(axes: Axes, report: &BatchReport) -> Option<String> {
         return None;
     }
     let levels = axes.outputs().iter().zip(&report.noise_std).filter(|(_, std)| std.is_finite());
-    let levels: Vec<String> = levels.map(|(o, std)| format!("{} {std:.3e} {}", o.name(), o.unit())).collect();
+    let levels: Vec<String> = levels.map(|(output, std)| level(output, *std)).collect();
     let density = |unknown: &Unknown| match unknown.kind {
         UnknownKind::ProcessNoise { state } => {
             let state = axes.states().get(state)?;

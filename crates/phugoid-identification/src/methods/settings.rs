@@ -91,8 +91,8 @@ pub(super) fn shared_settings<M: Motion<N, R>, const N: usize, const R: usize, c
 
 /// The settings of a filter that learns its noise levels, and the size of an adaptive process noise, in flight.
 ///
-/// The size of the process noise that the file gives decides nothing: each state begins with light turbulence, and a rate with
-/// [`MODEL_ERROR`]. That a state has none, and that it does not adapt, hold as given.
+/// The size of the process noise that the file gives decides nothing: airspeed and angles begin with light turbulence, in the shape that is
+/// given, and a rate with [`MODEL_ERROR`]. That a state has none, and that it does not adapt, hold as given.
 pub(super) fn learning<const N: usize, const R: usize, const P: usize>(
     settings: &EstimatorSettings<N, R, P>,
     axes: Axes,
