@@ -272,7 +272,7 @@ fn normalise(text: &str) -> String {
 fn factor(word: &str) -> &str {
     match word {
         "per" => "",
-        "sec" | "secs" | "second" | "seconds" | "s-1" | "sec-1" => "s",
+        "sec" | "secs" | "second" | "seconds" | "s-1" | "sec-1" | "sek" => "s",
         "s-2" | "sec2" | "sec-2" => "s2",
         "m-2" => "m2",
         "m-3" => "m3",
@@ -281,11 +281,11 @@ fn factor(word: &str) -> &str {
         "nsec" | "nanos" | "nanosecond" | "nanoseconds" => "ns",
         "minute" | "minutes" | "mins" => "min",
         "hr" | "hrs" | "hour" | "hours" => "h",
-        "degree" | "degrees" | "degs" => "deg",
+        "degree" | "degrees" | "degs" | "grad" | "grados" | "degré" | "degrés" => "deg",
         "radian" | "radians" | "rads" => "rad",
         "meter" | "meters" | "metre" | "metres" => "m",
         "foot" | "feet" => "ft",
-        "knot" | "knots" | "kts" => "kt",
+        "knot" | "knots" | "kts" | "knoten" => "kt",
         "newton" | "newtons" => "n",
         "pascal" | "pascals" => "pa",
         "kgs" | "kilogram" | "kilograms" => "kg",
@@ -305,7 +305,8 @@ mod tests {
 
     #[test]
     fn spellings_of_one_unit_agree() {
-        for text in ["deg/s", "deg_s", "Deg per sec", "°/s", "deg s-1", "degrees/second", "DEG_S"] {
+        for text in ["deg/s", "deg_s", "Deg per sec", "°/s", "deg s-1", "degrees/second", "DEG_S", "Grad/s", "grados/s"]
+        {
             assert_eq!(find_for(text, AngularRate).map(|u| u.symbol), Some("deg_s"), "{text}");
         }
         for text in ["m/s^2", "m/s²", "m_s2", "m/s/s", "M/S2", "m s-2", "m/s**2", "m/sec^2"] {

@@ -333,6 +333,28 @@ fn a_file_that_holds_no_corrections_is_refused() {
     let run = phugoid(&folder.0, &estimate);
     let message = run.fails(3);
     assert!(message.contains("none.json") && message.contains("`channels`"), "{message}");
+    for (text, expected) in [
+        (
+            r#"{ "channels": { "aplha": { "bias": 0.01 } } }"#,
+            "channel `aplha` is neither in the record nor a known channel. Is `alpha`",
+        ),
+        (r#"{ "channels": { "alpha": { "scale": -1.0 } } }"#, "scale of channel `alpha` is -1"),
+    ] {
+        folder.file("none.json", text);
+        let run = phugoid(&folder.0, &estimate);
+        let message = run.fails(3).split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(message.contains(expected), "{message}");
+    }
+    // Nothing to correct, and a sensor that this record has not, are said.
+    for (text, expected) in [
+        (r#"{ "channels": {} }"#, "hold no error of a sensor"),
+        (r#"{ "channels": { "mach": { "bias": 0.01 } } }"#, "The corrections of mach were not used"),
+    ] {
+        folder.file("none.json", text);
+        let run = phugoid(&folder.0, &estimate);
+        let all = run.out.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(all.contains(expected), "{all}");
+    }
 }
 
 #[test]

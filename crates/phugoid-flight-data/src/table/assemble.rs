@@ -115,6 +115,16 @@ fn count_from_first(time: &mut [f64], clock: Option<&Clock>, options: &TableOpti
     if let Some(turns) = clock.map(Clock::turns).filter(|turns| *turns > 0.0) {
         report.note("time", format!("the clock begins again {}; counted on", plural(turns as usize, "time")));
     }
+    if let Some(changes) = clock.map(Clock::changes).filter(|changes| *changes > 0) {
+        report.warn(
+            "time",
+            format!(
+                "the local clock is changed by an hour on the full hour {}, as at the begin or the end of summer time; counted on \
+                 without the change",
+                plural(changes, "time")
+            ),
+        );
+    }
 }
 
 /// Rows from which on the step of the time says its unit.

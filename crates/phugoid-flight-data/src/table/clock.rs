@@ -49,6 +49,10 @@ enum Date {
 
 /// Seconds of a day.
 pub(crate) const DAY: f64 = 86_400.0;
+/// Seconds of an hour, by which clocks are changed in spring and autumn.
+const HOUR: f64 = 3600.0;
+/// Rows stand within this of the change of the clock, s: times may be written to the second, one row a second.
+const AT_CHANGE: f64 = 2.0;
 
 /// Reads the clock times of one column from row to row: counts on where a clock without a date starts again at midnight, and
 /// learns whether day or month comes first.
@@ -64,6 +68,10 @@ pub(crate) struct Clock {
     dated: bool,
     /// A time without a zone was read: nobody knows that these are UTC.
     local: bool,
+    /// How far the clock was put back in all, s: an hour where summer time ended during the record, minus an hour where it began.
+    put_back: f64,
+    /// How often the clock was changed to or from summer time.
+    changes: usize,
 }
 
 impl Clock {
@@ -93,8 +101,19 @@ impl Clock {
                 }
             }
         };
+        if let Some(last) = self.last.filter(|_| reading.ahead.is_none() && reading.cycle != Cycle::Hour)
+            && let Some(put_back) = summer_time_change(last, seconds)
+        {
+            self.put_back += put_back;
+            self.changes += 1;
+        }
         self.last = Some(seconds);
-        Some(seconds)
+        Some(seconds + self.put_back)
+    }
+
+    /// How often the clock was changed to or from summer time between two rows.
+    pub(crate) fn changes(&self) -> usize {
+        self.changes
     }
 
     /// How often a clock without a date began again.
@@ -138,6 +157,14 @@ impl Clock {
         }
         Some(in_order(first, second, year, self.month_first == Some(true))? + self.shift)
     }
+}
+
+/// By how much a local clock was put back between two rows, s: an hour at the end of summer time, minus an hour at its begin;
+/// `None` where it ran on. Both happen on the full hour.
+fn summer_time_change(last: f64, next: f64) -> Option<f64> {
+    let on_the_hour = next.rem_euclid(HOUR) <= AT_CHANGE && HOUR - last.rem_euclid(HOUR) <= AT_CHANGE;
+    let by = |put_back: f64| on_the_hour && (0.0..=AT_CHANGE).contains(&(next + put_back - last));
+    [HOUR, -HOUR].into_iter().find(|put_back| by(*put_back))
 }
 
 /// Days from 1970-01-01 to a date in one of the two orders; `None` where there is no such date.
@@ -390,6 +417,33 @@ mod tests {
         assert_eq!(start(&["05/01/2024 12:34:56"]), None);
         assert_eq!(start(&["05/01/2024 12:34:56", "05/02/2024 12:34:56"]), Some((may, false)));
         assert_eq!(start(&["01/05/2024 12:34:56", "02/05/2024 12:34:56"]), Some((may, false)));
+    }
+
+    #[test]
+    fn a_local_clock_is_changed_to_and_from_summer_time() {
+        let steps = |texts: &[&str]| {
+            let mut clock = Clock::default();
+            let times: Vec<f64> = texts.iter().filter_map(|text| clock.seconds(text)).collect();
+            (
+                times.windows(2).map(|pair| ((pair[1] - pair[0]) * 1e3).round() / 1e3).collect::<Vec<_>>(),
+                clock.changes(),
+            )
+        };
+        let autumn = ["27.10.2024 02:59:59,98", "27.10.2024 02:00:00,00", "27.10.2024 02:00:00,02"];
+        assert_eq!(steps(&autumn), (vec![0.02, 0.02], 1));
+        assert_eq!(steps(&["2:59:59", "2:00:00", "2:00:01"]), (vec![1.0, 1.0], 1));
+        assert_eq!(
+            steps(&["31.03.2024 01:59:59.9", "31.03.2024 03:00:00", "31.03.2024 03:00:00.1"]),
+            (vec![0.1, 0.1], 1)
+        );
+        // Over midnight, as in Brazil until 2019.
+        assert_eq!(steps(&["17.02.2018 23:59:59.5", "17.02.2018 23:00:00"]), (vec![0.5], 1));
+        // With a zone nothing is changed, and not on the full hour it is another fault or a gap.
+        let zoned = ["2024-10-27T02:59:59+02:00", "2024-10-27T02:00:00+01:00"];
+        assert_eq!(steps(&zoned), (vec![1.0], 0));
+        assert_eq!(steps(&["2:40:00", "1:40:01"]), (vec![-3599.0], 0));
+        assert_eq!(steps(&["2:59:50", "2:00:00"]), (vec![-3590.0], 0));
+        assert_eq!(steps(&["23:59:59.9", "00:00:00.1"]), (vec![0.2], 0));
     }
 
     #[test]

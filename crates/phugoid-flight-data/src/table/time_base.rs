@@ -104,10 +104,8 @@ fn longest_part(table: &Table, report: &mut QualityReport) -> Vec<usize> {
         report.warn(
             format!("{} {line}", table.counted.one()),
             format!(
-                "the time falls from {} s to {} s and runs on from there: the clock was started again. Each start is a \
-                 record of its own",
-                Short(from),
-                Short(to)
+                "the time falls by {} s and runs on from there: the clock was started again. Each start is a record of its own",
+                Short(from - to)
             ),
         );
     }

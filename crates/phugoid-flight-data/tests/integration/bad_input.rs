@@ -448,7 +448,7 @@ fn a_clock_that_starts_again_does_not_join_two_records() {
     let record = good(&text);
     assert_eq!(record.time.len(), 30);
     assert!(values(&record, "a1").iter().all(|&part| part == 0.0));
-    says(&record, &["line 32: the time falls from 29 s to 0 s", "started again"]);
+    says(&record, &["line 32: the time falls by 29 s", "started again"]);
     says(&record, &["lines 2 to 31: this longest of 2 parts is used, 20 rows outside it are left out"]);
 }
 

@@ -1,6 +1,7 @@
 //! An estimate from a corrected record, whose bounds know that the corrections are estimates themselves.
 
 use nalgebra::DMatrix;
+use phugoid_flight_data::channels;
 use phugoid_flight_data::record::Record;
 
 use super::correction::{CorrectionUncertainty, Corrections};
@@ -38,7 +39,8 @@ use crate::pipeline::estimate::{estimate, with_offered};
 /// ```
 ///
 /// # Errors
-/// [`EstimateError`] of any of the runs; [`EstimateError::Model`] if the covariance is none.
+/// [`EstimateError`] of any of the runs; [`EstimateError::Model`] if the covariance is none, a correction is not a finite
+/// number, a scale is -1 or less, or a channel is neither in the record nor known by that name.
 pub fn estimate_corrected(
     record: &Record,
     corrections: &Corrections,
@@ -46,6 +48,7 @@ pub fn estimate_corrected(
     options: &EstimateOptions,
     progress: &mut dyn FnMut(f64),
 ) -> Result<Estimation, EstimateError> {
+    let said = checked(corrections, record)?;
     let known = corrections.uncertainty.clone().unwrap_or_default();
     let parts = parts(&known)?;
     let runs = (parts.len() + 1) as f64;
@@ -70,14 +73,58 @@ pub fn estimate_corrected(
         changes.push(estimation.parameters.iter().map(|p| change(&p.name, p.value)).collect());
     }
     widen(&mut estimation, &changes);
-    if corrections.uncertainty.is_none() {
+    if corrections.uncertainty.is_none() && !corrections.is_empty() {
         estimation.verdict.push(
             "The corrections say nothing of their own errors: these are not in the bounds. Corrections that `phugoid \
              compatibility` writes say it."
                 .to_owned(),
         );
     }
+    estimation.verdict.extend(said);
     Ok(estimation)
+}
+
+/// Refuses corrections that cannot be meant, and says in a sentence each which of them change nothing in this record.
+fn checked(corrections: &Corrections, record: &Record) -> Result<Vec<String>, EstimateError> {
+    let refuse = |why: String| Err(EstimateError::Model(format!("in the corrections: {why}")));
+    let mut absent = Vec::new();
+    for (name, c) in &corrections.channels {
+        for (key, value) in [("bias", c.bias), ("scale", c.scale), ("delay_s", c.delay_s)] {
+            if !value.is_finite() {
+                return refuse(format!("{key} of channel `{name}` is {value}, which is no finite number"));
+            }
+        }
+        if c.scale <= -1.0 {
+            return refuse(format!(
+                "scale of channel `{name}` is {}: it is the relative error of the scale, 0.02 where a sensor shows 2 % too \
+                 much, and -1 would be a sensor that shows nothing",
+                c.scale
+            ));
+        }
+        if record.channel(name).is_none() {
+            if channels::by_name(name).is_none() {
+                let meant = channels::nearest(name).map_or_else(String::new, |near| format!(" Is `{near}` meant?"));
+                return refuse(format!(
+                    "channel `{name}` is neither in the record nor a known channel.{meant} Channels in the record: {}",
+                    record.channels.iter().map(|c| c.name.as_str()).collect::<Vec<_>>().join(", ")
+                ));
+            }
+            absent.push(name.as_str());
+        }
+    }
+    for (key, value) in corrections.places() {
+        if !value.is_finite() {
+            return refuse(format!("{key} is {value}, which is no finite number"));
+        }
+    }
+    let mut said = Vec::new();
+    if corrections.is_empty() {
+        said.push("The corrections hold no error of a sensor: the record was used as it is.".to_owned());
+    }
+    if !absent.is_empty() {
+        said.push(format!("The corrections of {} were not used: the record has no such channel.", absent.join(", ")));
+    }
+    Ok(said)
 }
 
 /// Independent parts of one sigma each, in the order of the names.

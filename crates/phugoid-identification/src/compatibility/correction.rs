@@ -92,6 +92,23 @@ impl Corrections {
         corrections
     }
 
+    /// Distances and upwash by their names, m.
+    pub(super) fn places(&self) -> [(&'static str, f64); 5] {
+        [
+            ("vane_alpha_x", self.vane_alpha_x),
+            ("vane_beta_x", self.vane_beta_x),
+            ("accelerometer_x", self.accelerometer_x),
+            ("accelerometer_z", self.accelerometer_z),
+            ("upwash_alpha", self.upwash_alpha),
+        ]
+    }
+
+    /// Whether no error of a sensor is named, so that a record stays as it is.
+    pub fn is_empty(&self) -> bool {
+        let none = ChannelCorrection::default();
+        self.channels.values().all(|channel| *channel == none) && self.places().iter().all(|(_, place)| *place == 0.0)
+    }
+
     /// Adds the delay of an input channel, with its error, which has nothing to do with the others.
     pub fn add_skew(&mut self, skew: &InputSkew) {
         self.channels.entry(skew.channel.clone()).or_default().delay_s = skew.delay_s;
