@@ -57,36 +57,3 @@ fn channels<'a>(record: &'a Record, names: [&str; 3]) -> Option<[&'a [f64]; 3]> 
 fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
-
-#[cfg(test)]
-mod tests {
-    use crate::flight::fly;
-    use crate::scenario::Scenario;
-
-    const CALM: &str = include_str!("../../../scenarios/f16-calm.toml");
-
-    /// In symmetric flight: `az = az_cg - qdot x - q^2 z`, `ax = ax_cg + qdot z - q^2 x`, and a vane ahead of the centre of
-    /// gravity sees `alpha - q x/V` (small angles).
-    #[test]
-    fn sensors_ahead_feel_the_pitching() {
-        let text = CALM.replace(
-            "[sensors]",
-            "[sensors]\naccelerometers = [\"2 m\", \"0 m\", \"0.5 m\"]\nvanes = [\"5 m\", \"0 m\", \"0 m\"]",
-        );
-        let text: String = text.lines().filter(|l| !l.contains("noise")).collect::<Vec<_>>().join("\n");
-        let flight = fly(&Scenario::parse(&text, "x").unwrap()).unwrap();
-        let truth = |name: &str| &flight.truth.channel(name).unwrap().values;
-        let measured = |name: &str| &flight.measured.channel(name).unwrap().values;
-        let mut largest = 0.0_f64;
-        for k in 0..flight.truth.time.len() {
-            let (q, q_dot, v) = (truth("q")[k], truth("qdot")[k], truth("true_airspeed")[k]);
-            // The engine's rotor turns pitching into a little roll and yaw; their squares are left out here.
-            assert!((measured("az")[k] - (truth("az")[k] - q_dot * 2.0 - q * q * 0.5)).abs() < 1e-4);
-            assert!((measured("ax")[k] - (truth("ax")[k] + q_dot * 0.5 - q * q * 2.0)).abs() < 1e-4);
-            // Second order in q x/V: at most 3 (0.1 rad/s 5 m/206 m/s)^2 and as much with alpha.
-            assert!((measured("alpha")[k] - (truth("alpha")[k] - q * 5.0 / v)).abs() < 1e-4);
-            largest = largest.max((measured("alpha")[k] - truth("alpha")[k]).abs());
-        }
-        assert!(largest > 5e-4, "the manoeuvre pitches by more than 0.02 rad/s: {largest}");
-    }
-}

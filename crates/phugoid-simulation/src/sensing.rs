@@ -137,38 +137,3 @@ fn told(channel: &str, error: SensorError) -> String {
         other => format!("`sensors.{channel}`: {other}"),
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use crate::flight::fly;
-    use crate::scenario::Scenario;
-
-    const CALM: &str = include_str!("../../../scenarios/f16-calm.toml");
-
-    #[test]
-    fn a_sensor_that_cannot_be_is_named() {
-        let text = CALM.replace("noise = \"0.1 deg\"", "noise = \"-0.1 deg\"");
-        let message = fly(&Scenario::parse(&text, "calm").unwrap()).unwrap_err().to_string();
-        assert!(message.contains("`sensors.alpha`: noise is -0.0017"), "{message}");
-    }
-
-    #[test]
-    fn dropped_frames_change_no_other_number() {
-        let fly_with = |drops: &str| {
-            let text = CALM.replace("[sensors]", &format!("[sensors]\ndrops = {drops}"));
-            fly(&Scenario::parse(&text, "calm").unwrap()).unwrap().measured
-        };
-        let (all, some) = (fly_with("0.0"), fly_with("0.1"));
-        let mut missing = 0;
-        for (a, b) in all.channels.iter().zip(&some.channels) {
-            for (x, y) in a.values.iter().zip(&b.values) {
-                assert!(y.is_nan() || x == y, "{}", a.name);
-                missing += usize::from(y.is_nan() && a.name == "alpha");
-            }
-        }
-        // 10 % of 2001 frames, five standard deviations of 13.4.
-        assert!((133..=268).contains(&missing), "{missing}");
-        assert!(some.channel("elevator").unwrap().values.iter().all(|v| v.is_finite()));
-        assert!(all.channel("qdot").is_none(), "not measured unless it is named");
-    }
-}

@@ -40,8 +40,25 @@ pub(super) fn is_for_largest_room(method: Method) -> bool {
 /// [`set_up`], and the methods that are compiled for the largest room alone.
 ///
 /// # Errors
-/// Those of [`set_up`]; [`EstimateError::Model`] if the model lacks what the model-reference law needs.
+/// Those of [`set_up`] and of [`set_up_teaching`].
 pub(super) fn set_up_any<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize>(
+    method: Method,
+    model: M,
+    settings: &EstimatorSettings<N, R, P>,
+    gravity: f64,
+) -> Result<Boxed<M::KnownInput, R, P>, EstimateError> {
+    if is_for_largest_room(method) {
+        return set_up_teaching(method, model, settings, gravity);
+    }
+    set_up(method, model, settings, gravity)
+}
+
+/// The methods that [`is_for_largest_room`] names.
+///
+/// # Errors
+/// [`EstimateError::Settings`] if the settings are refused; [`EstimateError::Model`] if the model lacks what the model-reference
+/// law needs, and for another method.
+pub(super) fn set_up_teaching<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize>(
     method: Method,
     model: M,
     settings: &EstimatorSettings<N, R, P>,
@@ -51,7 +68,7 @@ pub(super) fn set_up_any<M: MotionModel<N, R, P>, const N: usize, const R: usize
         Method::ModelReference => place(|| AdaptiveModel::new(model, settings)),
         Method::ImplicitSign => place(|| ImplicitSign::new(rows(model, settings, gravity)?, REACHING_RATE)),
         Method::SuperTwisting => place(|| Ok(SuperTwisting::new(rows(model, settings, gravity)?))),
-        _ => return set_up(method, model, settings, gravity),
+        _ => return Err(EstimateError::Model(format!("{method} is none of the methods that are there to compare"))),
     };
     estimator.map_err(|error| match (method, error) {
         (Method::ModelReference, SettingsError::NoOutput) => EstimateError::Model(
@@ -74,7 +91,7 @@ pub(super) fn set_up<M: MotionModel<N, R, P>, const N: usize, const R: usize, co
     gravity: f64,
 ) -> Result<Boxed<M::KnownInput, R, P>, EstimateError> {
     let estimator = match method {
-        Method::Smpe => place(|| ConsideringSmpe::<M, N, R, P, ROOM_FOR_CONSTANTS>::new(model, *settings)),
+        Method::Smpe => return set_up_smpe(model, settings),
         Method::Ekf => place(|| ConsideringEkf::<M, N, R, P, ROOM_FOR_CONSTANTS>::new(model, *settings)),
         Method::Rls => {
             let regression = RegressionSettings { reopens: true, ..settings.regression };
@@ -94,6 +111,17 @@ pub(super) fn set_up<M: MotionModel<N, R, P>, const N: usize, const R: usize, co
         }
     };
     estimator.map_err(EstimateError::Settings)
+}
+
+/// SMPE with the constants whose uncertainty is considered.
+///
+/// # Errors
+/// [`EstimateError::Settings`] if the settings are refused.
+pub(super) fn set_up_smpe<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize>(
+    model: M,
+    settings: &EstimatorSettings<N, R, P>,
+) -> Result<Boxed<M::KnownInput, R, P>, EstimateError> {
+    place(|| ConsideringSmpe::<M, N, R, P, ROOM_FOR_CONSTANTS>::new(model, *settings)).map_err(EstimateError::Settings)
 }
 
 type Rows<M, const N: usize, const R: usize, const P: usize> = Regression<M, KinematicFrontEnd<M, N, R>, N, R, P>;

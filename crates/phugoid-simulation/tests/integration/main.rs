@@ -15,3 +15,4 @@ mod flap;
 mod golden_flight;
 mod known_base;
 mod scenario_options;
+mod sensors;

@@ -50,26 +50,3 @@ impl Visit for Bounded<'_> {
         Ok(experiment.bound(model, &Knowledge::<R, ROOM>::of_noise(noise), self.at)?)
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::plant_case::{Noise, published_case, simulate};
-
-    /// The bound is a standard deviation: ten times the power makes it the square root of ten times as large. More data make
-    /// it smaller.
-    #[test]
-    fn the_bound_grows_with_the_noise_and_shrinks_with_the_record() {
-        let mut case = published_case("noise/3").unwrap();
-        let quiet = bound(&case, &simulate(&case).unwrap(), &[0.5, 2.0]).unwrap();
-        case.noise = case.noise.map(|noise| Noise { power: 10.0 * noise.power });
-        let loud = bound(&case, &simulate(&case).unwrap(), &[0.5, 2.0]).unwrap();
-        for j in 0..2 {
-            assert!((loud[1].std_error[j] / quiet[1].std_error[j] - 10.0_f64.sqrt()).abs() < 1e-9);
-            assert!(quiet[1].std_error[j] < quiet[0].std_error[j]);
-        }
-        case.noise = None;
-        let message = bound(&case, &simulate(&case).unwrap(), &[1.0]).unwrap_err().to_string();
-        assert!(message.contains("without noise"), "{message}");
-    }
-}

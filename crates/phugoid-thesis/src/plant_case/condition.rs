@@ -191,37 +191,3 @@ fn flagship(case: &PlantCase, run: &PlantRun, noise_std: &[f64], result: &Method
     }
     format!("{told}; it claims as one-sigma error at the published time, as a part of the truth: {}", claims.join(", "))
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::plant_case::{published_case, run_method, simulate};
-
-    /// `|z|/eta` is what decides a delayed loop: with an eta above every `|z|` the same law on the same samples stays near the
-    /// truth from where it starts, with a tenth of it it leaves every bound.
-    #[test]
-    fn the_loop_gain_tells_where_the_delay_may_be() {
-        let mut case = published_case("first-order/1").unwrap();
-        case.parameters.get_mut("a").unwrap().start = 3.01;
-        let run = simulate(&case).unwrap();
-        let largest = slopes(&case, &run)[0].iter().fold(0.0, |a: f64, z| a.max(z.abs()));
-        // z = -x^2, and x ends at 1/3.
-        assert!((largest - 1.0 / 9.0).abs() < 1e-4, "{largest}");
-        let farthest = |eta: f64| {
-            let method = Method::OneParameter {
-                form: ThesisForm::Damped,
-                evaluation: Evaluation::Delayed,
-                sign: LawSign::FromSlope,
-                lambda: 10.0,
-                eta,
-            };
-            let result = run_method(&case, &run, &method).unwrap();
-            result.estimates[0]
-                .iter()
-                .fold(0.0, |a: f64, v| if v.is_finite() { a.max((v - 3.0).abs()) } else { f64::INFINITY })
-        };
-        println!("{} {}", farthest(2.0 * largest), farthest(0.1 * largest));
-        assert!(farthest(2.0 * largest) < 0.1);
-        assert!(farthest(0.1 * largest) > 1.0);
-    }
-}

@@ -302,22 +302,3 @@ fn golden(book: &Found, morelli: &Found) -> Table {
         rows: vec![row("book", book), row("morelli", morelli)],
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_trim_is_that_of_the_cross_check_from_every_start() {
-        let reproduction = run("trim/table-2.2", &|_| ()).unwrap();
-        for requirement in &reproduction.requirements {
-            assert!(requirement.met, "{requirement:?}");
-        }
-        assert_eq!(reproduction.requirements.len(), 4);
-        // Thirteen quantities, four of them zero by symmetry, and three modes, for both tables; all of them exist.
-        for row in &reproduction.golden.rows {
-            assert_eq!(row.len(), 1 + 9 + 6);
-            assert!(row.iter().all(|cell| !matches!(cell, Cell::Number(value) if !value.is_finite())), "{row:?}");
-        }
-    }
-}

@@ -78,61 +78,12 @@ fn run(id: &str, progress: &(dyn Fn(f64) + Sync)) -> Result<Reproduction, StudyE
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::result::Reproduction;
-    use phugoid_evaluation::table::Cell;
-
-    fn reproduced(id: &str) -> Reproduction {
-        let reproduction = run(id, &|_| ()).unwrap();
-        for requirement in &reproduction.requirements {
-            println!("{id}: {requirement:?}");
-        }
-        for table in &reproduction.tables {
-            println!("{}", table.title);
-            for row in &table.rows {
-                println!("   {row:?}");
-            }
-        }
-        for outcome in &reproduction.outcomes {
-            println!("{outcome:?}");
-        }
-        reproduction
-    }
 
     #[test]
     fn every_file_reads_and_bears_the_title_of_its_entry() {
         for ((id, text), entry) in FILES.iter().zip(ENTRIES) {
             assert_eq!(AircraftCase::parse(text, id).unwrap().title, entry.title);
             assert_eq!(*id, entry.id);
-        }
-    }
-
-    /// The third requirement of the project's reproduction of the thesis, with the realistic input and sensors.
-    #[test]
-    fn all_four_are_found_within_a_cycle() {
-        let reproduction = reproduced("sensors/combined");
-        assert!(reproduction.requirements.len() >= 5);
-        assert!(reproduction.requirements.iter().all(|requirement| requirement.met));
-    }
-
-    #[test]
-    fn each_alone_is_found_within_a_cycle() {
-        for group in ["dcm-alpha", "dcm-q", "dcl-alpha", "dcd-alpha"] {
-            let reproduction = reproduced(&format!("sensors/{group}"));
-            assert!(reproduction.requirements.iter().all(|requirement| requirement.met), "{group}");
-        }
-    }
-
-    /// What the text beside the cases says of the thesis's law: not within 5 % to stay in one cycle with any damping.
-    #[test]
-    fn no_damping_makes_the_law_find_them_in_a_cycle() {
-        for (id, text) in FILES {
-            let case = AircraftCase::parse(text, id).unwrap();
-            let table = damping::sweep(&case).unwrap();
-            assert_eq!(table.rows.len(), 11);
-            for row in &table.rows {
-                let settled = row[1..].chunks(3).all(|of| matches!(of[2], Cell::Number(t) if t <= input::CYCLE_S));
-                assert!(!settled, "{id}: {row:?}");
-            }
         }
     }
 }
