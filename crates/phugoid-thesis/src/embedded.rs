@@ -45,20 +45,6 @@ macro_rules! published_cases {
             progress(1.0);
             result
         }
-
-        #[cfg(test)]
-        mod tests {
-            use super::*;
-
-            #[test]
-            fn every_file_reads_and_bears_the_title_of_its_entry() {
-                for entry in ENTRIES {
-                    let case = published_case(entry.id).unwrap();
-                    assert_eq!(case.title, entry.title, "{}", entry.id);
-                }
-                assert!(published_case("no-group/9").unwrap_err().to_string().contains("no-group/9"));
-            }
-        }
     };
 }
 

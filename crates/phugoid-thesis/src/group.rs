@@ -129,12 +129,4 @@ mod tests {
             }
         }
     }
-
-    #[test]
-    fn every_entry_has_a_group_of_its_own_name() {
-        for entry in crate::entries() {
-            assert_eq!(group_of(entry.id).id, entry.group(), "{} belongs to no known group", entry.id);
-        }
-        assert_eq!(group_of("my-case").title, "Cases of your own");
-    }
 }

@@ -52,6 +52,24 @@ fn a_damage_that_was_missed_in_flight_is_found_in_the_whole_record() {
     }
 }
 
+/// A flight of JSBSim's `J3Cub` that loses a quarter of its lift slope at 28 s (`scripts/field/make.py`, repetition 6161, `damage-cl-alpha`): with the best values of the
+/// terms, CL_alpha goes from 4.83 to 3.66. CL_alpha and CL_q move together, so that no derivative is another one by itself; the
+/// result was 4.37 +- 0.86 without a word.
+#[test]
+fn a_damage_that_shows_in_no_derivative_by_itself_is_found() {
+    let tests = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/look-back");
+    let model = ModelFile::open(tests.join("j3cub-longitudinal.toml")).unwrap();
+    let record = Record::open(tests.join("j3cub-damage-cl-alpha.csv")).unwrap();
+    let found = run(&record, &model, EstimateOptions::default());
+    let [change] = &found.changes[..] else { panic!("{:?}", found.changes) };
+    assert_eq!(change.outcome, ChangeOutcome::FoundAfterwards);
+    let [from_s, to_s] = change.interval_s.unwrap();
+    assert!(from_s < 28.0 && 28.0 < to_s && to_s - from_s < 1.0, "{from_s} to {to_s}");
+    let slope = found.parameter("CL_alpha").unwrap();
+    println!("{slope:?}");
+    assert!((slope.value - 3.664).abs() < 2.0 * slope.corrected_std_error && slope.corrected_std_error < 0.25);
+}
+
 /// A flight of JSBSim's `OV10` in which a pitching moment of -0.0134 sets in at 28 s, and nothing else changes (`scripts/field/make.py`, develop,
 /// `trim-shift`). At the other angle of attack the terms of the model are best at Cm_alpha -0.341, Cm_q -26.7, Cm_elevator -0.854.
 fn shifted() -> (Record, ModelFile) {

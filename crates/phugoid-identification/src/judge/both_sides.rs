@@ -1,5 +1,7 @@
 //! Whether a flight can tell that a term is another one before and after a moment.
 
+use nalgebra::{DMatrix, DVector};
+
 use crate::core::options::CAPACITY;
 use crate::judge::equations::{BLOCK_S, ByBlock, Equations};
 use crate::judge::normal::Normal;
@@ -40,9 +42,60 @@ pub(super) fn moves_on_both_sides(moving: &[bool], split: usize) -> bool {
     [before, after].iter().all(|side| side.iter().filter(|moves| **moves).count() >= MOVING)
 }
 
+/// The values of all terms of an equation together are others where they make this part of its motion another one: where nothing changes,
+/// terms that a model lacks make at most 0.21 of it, and damages whose parts cannot be told apart 0.30 and more (docs/methods.md, looking
+/// back).
+const CHANGED: f64 = 0.3;
+
 /// Of each column of a run, what the motion on both sides of a moment allows to say.
 pub(crate) struct BothSides {
     columns: Vec<Option<Side>>,
+    equations: Vec<Moved>,
+}
+
+/// The regressors of an equation on both sides of a moment.
+struct Moved {
+    /// The column of the run of each regressor.
+    columns: Vec<usize>,
+    /// Mean products of the regressors before and after, without what they share with the constant.
+    sides: [DMatrix<f64>; 2],
+}
+
+impl Moved {
+    /// `places` are the columns of the run by those of the equations.
+    fn of(equation: &ByBlock, split: usize, places: &[usize], is_constant: &dyn Fn(usize) -> bool) -> Self {
+        let u = equation.used.len();
+        let constant = (0..u).find(|j| is_constant(*j));
+        let mean = |blocks: &[DMatrix<f64>], samples: &[f64]| {
+            let sum = blocks.iter().fold(DMatrix::zeros(u, u), |sum, block| sum + block.view((0, 0), (u, u)));
+            let mean = sum / samples.iter().sum::<f64>().max(1.0);
+            match constant.filter(|c| mean[(*c, *c)] > 0.0) {
+                Some(c) => DMatrix::from_fn(u, u, |a, b| mean[(a, b)] - mean[(a, c)] * mean[(c, b)] / mean[(c, c)]),
+                None => mean,
+            }
+        };
+        let (before, after) = equation.sums.split_at(split);
+        let (samples_before, samples_after) = equation.samples.split_at(split);
+        let columns = equation.used.iter().map(|used| places.get(*used).copied().unwrap_or(usize::MAX)).collect();
+        Self { columns, sides: [mean(before, samples_before), mean(after, samples_after)] }
+    }
+
+    /// The part of the motion that is another one with the second of two values of each column, on the side on which that is less;
+    /// zero where one side moves much less than the other.
+    fn changed(&self, values: &dyn Fn(usize) -> [f64; 2]) -> f64 {
+        let values: Vec<[f64; 2]> = self.columns.iter().map(|column| values(*column)).collect();
+        let square = |side: &DMatrix<f64>, of: &dyn Fn([f64; 2]) -> f64| {
+            let values = DVector::from_iterator(values.len(), values.iter().map(|pair| of(*pair)));
+            (side * &values).dot(&values).max(0.0)
+        };
+        let of_side = |side: &DMatrix<f64>| {
+            let moved = square(side, &|[before, _]| before).max(square(side, &|[_, after]| after));
+            [moved, square(side, &|[before, after]| after - before)]
+        };
+        let [before, after] = self.sides.each_ref().map(of_side);
+        let part = |[moved, change]: [f64; 2]| (change / moved).sqrt();
+        if is_alike([before[0], after[0]]) { part(before).min(part(after)) } else { 0.0 }
+    }
 }
 
 /// Of one column, in the equation in which its change shows most.
@@ -71,11 +124,13 @@ impl BothSides {
         let places: Vec<usize> =
             task.file.estimated().enumerate().filter(|(_, p)| is_term(&p.role)).map(|(column, _)| column).collect();
         let mut columns: Vec<Option<Side>> = vec![None; run.columns.len()];
+        let mut moved = Vec::new();
         for equation in equations.by_block() {
             if split < 1.0 || split >= equation.sums.len() as f64 {
                 continue;
             }
             let constant = |j: usize| equations.columns[equation.used[j]].term.is_constant();
+            moved.push(Moved::of(&equation, split as usize, &places, &constant));
             for (j, side) in sides(&equation, split as usize, &constant).into_iter().enumerate() {
                 let Some(column) = places.get(equation.used[j]).and_then(|place| columns.get_mut(*place)) else {
                     continue;
@@ -90,7 +145,14 @@ impl BothSides {
                 }
             }
         }
-        Some(Self { columns })
+        Some(Self { columns, equations: moved })
+    }
+
+    /// Whether the terms of an equation, with the second of two values of each column, move the aircraft otherwise than with the
+    /// first, by more than missing terms make. It does not matter which of them it is: where elevator, pitch rate and angle of attack
+    /// moved together, a record knows what half a tail makes of the pitching moment, and of none of the three by itself.
+    pub(crate) fn moves_otherwise(&self, values: &dyn Fn(usize) -> [f64; 2]) -> bool {
+        self.equations.iter().any(|equation| equation.changed(values) >= CHANGED)
     }
 
     /// Whether a change of a column from one value to another is one that the flight can tell: a derivative by more than what
@@ -142,4 +204,45 @@ fn sides(equation: &ByBlock, split: usize, is_constant: &dyn Fn(usize) -> bool) 
         })
     };
     (0..u).map(side).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A constant and two regressors of which the second is nearly the first, in six blocks of a second; the motion of the last three
+    /// is `after` times as large.
+    fn equation(after: f64) -> ByBlock {
+        let block = |size: f64| {
+            let row = |k: usize| {
+                let phase = std::f64::consts::TAU * k as f64 / 50.0;
+                DVector::from_row_slice(&[1.0, size * phase.sin(), size * (phase.sin() + 0.1 * phase.cos()), 0.0])
+            };
+            (0..50).map(row).fold(DMatrix::zeros(4, 4), |sum, row| sum + &row * row.transpose())
+        };
+        ByBlock {
+            used: vec![0, 1, 2],
+            values: vec![0.5, 1.0, 1.0],
+            sums: [1.0, 1.0, 1.0, after, after, after].map(block).to_vec(),
+            samples: vec![50.0; 6],
+            moving: vec![vec![true; 6]; 3],
+        }
+    }
+
+    fn changed(after: f64, values: [[f64; 2]; 3]) -> f64 {
+        Moved::of(&equation(after), 3, &[0, 1, 2], &|j| j == 0).changed(&|column| values[column])
+    }
+
+    #[test]
+    fn what_terms_make_together_is_compared_and_not_what_each_makes() {
+        // Half of all motion; the constant does not count.
+        assert!((changed(1.0, [[0.5, 3.0], [1.0, 0.5], [1.0, 0.5]]) - 0.5).abs() < 1e-9);
+        // From one regressor to its likeness: 0.1 cos of sin + sin + 0.1 cos, though each is another one by all of it.
+        let moved = changed(1.0, [[0.5, 0.5], [1.0, 2.0], [1.0, 0.0]]);
+        assert!((moved - 0.1 / 4.01_f64.sqrt()).abs() < 1e-3, "{moved}");
+        // A side that hardly moves says nothing.
+        assert_eq!(changed(0.3, [[0.5, 0.5], [1.0, 0.5], [1.0, 0.5]]), 0.0);
+        // Nothing moves at all.
+        assert_eq!(changed(1.0, [[0.5, 0.5], [0.0, 0.0], [0.0, 0.0]]), 0.0);
+    }
 }

@@ -263,7 +263,7 @@ fn search<M: EveryRoom<N, R>, const N: usize, const R: usize>(
             && best.change.opens == Opens::Everything
             && (best.change.time_s - change.time_s).abs() < CLOSEST_S
             && further >= EVIDENCE
-            && is_believed(task, &best, &opened);
+            && is_believed_by_itself(task, &best, &opened);
         if together {
             best = again.at(&known, best.change)?;
             continue;
@@ -410,7 +410,8 @@ impl<M: EveryRoom<N, R>, const N: usize, const R: usize> Again<'_, '_, M, N, R> 
             let is_shift = gain >= EVIDENCE_OF_CONSTANTS && is_trim_shift(self.task, &shifted, known);
             if is_shift
                 && (part >= AS_MUCH
-                    || !is_believed(self.task, &best, known) && self.is_most(known, &shifted, part, [from_s, to_s])?)
+                    || !is_believed_by_itself(self.task, &best, known)
+                        && self.is_most(known, &shifted, part, [from_s, to_s])?)
             {
                 return Ok(shifted);
             }
@@ -526,20 +527,34 @@ fn is_elsewhere<M: EveryRoom<N, R>, const N: usize, const R: usize>(task: &Task<
     differs.is_nan() || differs > ELSEWHERE
 }
 
-/// Whether a parameter is another one before the change and after it, until the next known change. The drag alone does not say
-/// so: what the engine does looks like it.
+/// Whether a parameter is another one before the change and after it, until the next known change; or, where none shows that by itself, all
+/// of a coefficient together ([`BothSides::moves_otherwise`]). The drag alone does not say so: what the engine does looks like it.
 fn is_believed<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     task: &Task<M, N, R>,
     tried: &Tried<R>,
     known: &[KnownChange],
 ) -> bool {
-    match tried.change.opens {
-        Opens::Constants => is_trim_shift(task, tried, known),
-        Opens::Everything => differs(task, tried, known, |_, sides, j, [from, to]| {
+    let together = |differs: Differs| differs.together(&tried.run.columns);
+    is_believed_by_itself(task, tried, known)
+        || tried.change.opens == Opens::Everything && Differs::of(task, tried, known).is_some_and(together)
+}
+
+/// Whether a parameter is another one by itself: what is asked against a trim shift, which the derivatives together imitate.
+fn is_believed_by_itself<M: EveryRoom<N, R>, const N: usize, const R: usize>(
+    task: &Task<M, N, R>,
+    tried: &Tried<R>,
+    known: &[KnownChange],
+) -> bool {
+    if tried.change.opens == Opens::Constants {
+        return is_trim_shift(task, tried, known);
+    }
+    Differs::of(task, tried, known).is_some_and(|differs| {
+        let [from, to] = differs.samples;
+        differs.any(|_, sides, j| {
             let column = &tried.run.columns[j];
             sides.tells(j, column.values[from], column.values[to]) && sigmas(column, from, to) > SIGMAS
-        }),
-    }
+        })
+    })
 }
 
 /// Whether a constant is another one, with everything else as it was. How sure that is says the evidence: the standard errors of a constant before and
@@ -549,31 +564,59 @@ fn is_trim_shift<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     tried: &Tried<R>,
     known: &[KnownChange],
 ) -> bool {
-    differs(task, tried, known, |role, sides, j, [from, to]| {
-        let values = &tried.run.columns[j].values;
-        role.is_constant_term() && sides.is_trim_shift(j, values[from], values[to])
+    Differs::of(task, tried, known).is_some_and(|differs| {
+        let [from, to] = differs.samples;
+        differs.any(|role, sides, j| {
+            let values = &tried.run.columns[j].values;
+            role.is_constant_term() && sides.is_trim_shift(j, values[from], values[to])
+        })
     })
 }
 
-/// Whether any parameter but those of the drag is another one at the samples before the change and before the next known one.
-fn differs<M: EveryRoom<N, R>, const N: usize, const R: usize>(
-    task: &Task<M, N, R>,
-    Tried { change, run, .. }: &Tried<R>,
-    known: &[KnownChange],
-    is_another: impl Fn(&Role, &BothSides, usize, [usize; 2]) -> bool,
-) -> bool {
-    // Values that run into their bounds explain nothing.
-    if run.columns.iter().any(|column| column.status == ParameterStatus::AtLimit) {
-        return false;
+/// What can be said of the parameters but those of the drag before a change and after it.
+struct Differs<'a> {
+    sides: BothSides,
+    /// The samples before the change and before the next known one.
+    samples: [usize; 2],
+    roles: Vec<&'a Role>,
+}
+
+impl<'a> Differs<'a> {
+    /// `None` where nothing can be said, or the values run into their bounds and explain nothing.
+    fn of<M: EveryRoom<N, R>, const N: usize, const R: usize>(
+        task: &Task<'a, M, N, R>,
+        Tried { change, run, .. }: &Tried<R>,
+        known: &[KnownChange],
+    ) -> Option<Self> {
+        if run.columns.iter().any(|column| column.status == ParameterStatus::AtLimit) {
+            return None;
+        }
+        let time = &task.prepared.time;
+        let before = |time_s: f64| time.partition_point(|t| *t < time_s).checked_sub(1);
+        let next_s = known.iter().map(|other| other.time_s).find(|t| *t > change.time_s);
+        let samples = [before(change.time_s)?, before(next_s.unwrap_or(f64::INFINITY))?];
+        let roles = task.file.estimated().take(run.columns.len()).map(|p| &p.role).collect();
+        Some(Self { sides: BothSides::of(task, run, change.time_s)?, samples, roles })
     }
-    let Some(sides) = BothSides::of(task, run, change.time_s) else { return false };
-    let time = &task.prepared.time;
-    let before = |time_s: f64| time.partition_point(|t| *t < time_s).checked_sub(1);
-    let next_s = known.iter().map(|other| other.time_s).find(|t| *t > change.time_s);
-    let (Some(from), Some(to)) = (before(change.time_s), before(next_s.unwrap_or(f64::INFINITY))) else { return false };
-    let of_drag = |role: &Role| matches!(role, Role::Term(Coefficient::Drag, _));
-    let estimated = task.file.estimated().take(run.columns.len()).enumerate();
-    estimated.filter(|(_, p)| !of_drag(&p.role)).any(|(j, p)| is_another(&p.role, &sides, j, [from, to]))
+
+    fn is_of_drag(&self, j: usize) -> bool {
+        self.roles.get(j).is_none_or(|role| matches!(role, Role::Term(Coefficient::Drag, _)))
+    }
+
+    /// Whether any parameter is another one.
+    fn any(&self, is_another: impl Fn(&Role, &BothSides, usize) -> bool) -> bool {
+        let own = self.roles.iter().enumerate().filter(|(j, _)| !self.is_of_drag(*j));
+        own.into_iter().any(|(j, role)| is_another(role, &self.sides, j))
+    }
+
+    /// Whether all of them together move the aircraft otherwise.
+    fn together(&self, columns: &[ColumnRun]) -> bool {
+        let [from, to] = self.samples;
+        self.sides.moves_otherwise(&|j| match columns.get(j).filter(|_| !self.is_of_drag(j)) {
+            Some(column) => [column.values[from], column.values[to]],
+            None => columns.get(j).map_or([0.0; 2], |column| [column.values[to]; 2]),
+        })
+    }
 }
 
 /// Standard errors by which a column differs between two samples, without the part of the errors that the model file declares:

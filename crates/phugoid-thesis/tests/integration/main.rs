@@ -7,6 +7,7 @@ mod common;
 mod plants;
 
 mod aircraft_cases;
+mod entries;
 mod extended_law;
 mod golden;
 mod law_on_flights;

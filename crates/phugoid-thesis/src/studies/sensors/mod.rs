@@ -74,16 +74,3 @@ fn run(id: &str, progress: &(dyn Fn(f64) + Sync)) -> Result<Reproduction, StudyE
     reproduction.tables.push(damping::sweep(&case)?);
     Ok(reproduction)
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_file_reads_and_bears_the_title_of_its_entry() {
-        for ((id, text), entry) in FILES.iter().zip(ENTRIES) {
-            assert_eq!(AircraftCase::parse(text, id).unwrap().title, entry.title);
-            assert_eq!(*id, entry.id);
-        }
-    }
-}
