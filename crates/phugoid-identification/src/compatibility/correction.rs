@@ -94,12 +94,16 @@ impl Corrections {
 
     /// Distances and upwash by their names, m.
     pub(super) fn places(&self) -> [(&'static str, f64); 5] {
+        self.clone().places_mut().map(|(name, place)| (name, *place))
+    }
+
+    fn places_mut(&mut self) -> [(&'static str, &mut f64); 5] {
         [
-            ("vane_alpha_x", self.vane_alpha_x),
-            ("vane_beta_x", self.vane_beta_x),
-            ("accelerometer_x", self.accelerometer_x),
-            ("accelerometer_z", self.accelerometer_z),
-            ("upwash_alpha", self.upwash_alpha),
+            ("vane_alpha_x", &mut self.vane_alpha_x),
+            ("vane_beta_x", &mut self.vane_beta_x),
+            ("accelerometer_x", &mut self.accelerometer_x),
+            ("accelerometer_z", &mut self.accelerometer_z),
+            ("upwash_alpha", &mut self.upwash_alpha),
         ]
     }
 
@@ -128,13 +132,7 @@ impl Corrections {
     /// Puts estimates of unknowns into the fields that they belong to; all others stay as they are.
     pub(super) fn set(&mut self, values: &[(&str, f64)]) {
         let value = |name: &str| values.iter().find(|(n, _)| *n == name).map(|(_, v)| *v);
-        for (name, field) in [
-            ("vane_alpha_x", &mut self.vane_alpha_x),
-            ("vane_beta_x", &mut self.vane_beta_x),
-            ("accelerometer_x", &mut self.accelerometer_x),
-            ("accelerometer_z", &mut self.accelerometer_z),
-            ("upwash_alpha", &mut self.upwash_alpha),
-        ] {
+        for (name, field) in self.places_mut() {
             if let Some(value) = value(name) {
                 *field = value;
             }

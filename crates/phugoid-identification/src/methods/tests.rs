@@ -52,7 +52,7 @@ type SetUpFlown<const P: usize> = SetUp<
 type Room<const P: usize> =
     Result<Boxed<GatedInput<<LongitudinalModel as Motion<STATES, OUTPUTS>>::KnownInput>, OUTPUTS, P>, EstimateError>;
 
-/// Each method by itself, and not the table of all: every method of every room that a test reaches is compiled once more for it.
+/// SMPE by itself, and not the table of all methods: every method of every room that a test reaches is compiled once more for it.
 fn smpe<const P: usize>(
     _: Method,
     model: Gated<LongitudinalModel>,
@@ -63,18 +63,6 @@ where
     LongitudinalModel: MotionModel<STATES, OUTPUTS, P>,
 {
     set_up_smpe(model, settings)
-}
-
-fn teaching<const P: usize>(
-    method: Method,
-    model: Gated<LongitudinalModel>,
-    settings: &EstimatorSettings<STATES, OUTPUTS, P>,
-    gravity: f64,
-) -> Room<P>
-where
-    LongitudinalModel: MotionModel<STATES, OUTPUTS, P>,
-{
-    set_up_teaching(method, model, settings, gravity)
 }
 
 fn run_in_room<const P: usize>(
@@ -144,8 +132,8 @@ fn nor_does_it_of_the_methods_that_teach() {
     let file = ModelFile::parse("f16", unbiased()).unwrap();
     let prepared: Flown = prepare(&record, &file).unwrap();
     for method in [Method::ModelReference, Method::ImplicitSign, Method::SuperTwisting] {
-        let large = run_in_room::<LARGE_ROOM>(&prepared, &file, &noise, method, teaching).unwrap();
-        let full = run_in_room::<SMALL_ROOM>(&prepared, &file, &noise, method, teaching).unwrap();
+        let large = run_in_room::<LARGE_ROOM>(&prepared, &file, &noise, method, set_up_teaching).unwrap();
+        let full = run_in_room::<SMALL_ROOM>(&prepared, &file, &noise, method, set_up_teaching).unwrap();
         assert_same(&full, &large);
     }
 }

@@ -534,9 +534,11 @@ fn is_believed<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     tried: &Tried<R>,
     known: &[KnownChange],
 ) -> bool {
-    let together = |differs: Differs| differs.together(&tried.run.columns);
-    is_believed_by_itself(task, tried, known)
-        || tried.change.opens == Opens::Everything && Differs::of(task, tried, known).is_some_and(together)
+    match tried.change.opens {
+        Opens::Constants => is_trim_shift(task, tried, known),
+        Opens::Everything => Differs::of(task, tried, known)
+            .is_some_and(|differs| differs.by_itself(&tried.run.columns) || differs.together(&tried.run.columns)),
+    }
 }
 
 /// Whether a parameter is another one by itself: what is asked against a trim shift, which the derivatives together imitate.
@@ -545,16 +547,12 @@ fn is_believed_by_itself<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     tried: &Tried<R>,
     known: &[KnownChange],
 ) -> bool {
-    if tried.change.opens == Opens::Constants {
-        return is_trim_shift(task, tried, known);
+    match tried.change.opens {
+        Opens::Constants => is_trim_shift(task, tried, known),
+        Opens::Everything => {
+            Differs::of(task, tried, known).is_some_and(|differs| differs.by_itself(&tried.run.columns))
+        }
     }
-    Differs::of(task, tried, known).is_some_and(|differs| {
-        let [from, to] = differs.samples;
-        differs.any(|_, sides, j| {
-            let column = &tried.run.columns[j];
-            sides.tells(j, column.values[from], column.values[to]) && sigmas(column, from, to) > SIGMAS
-        })
-    })
 }
 
 /// Whether a constant is another one, with everything else as it was. How sure that is says the evidence: the standard errors of a constant before and
@@ -565,10 +563,9 @@ fn is_trim_shift<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     known: &[KnownChange],
 ) -> bool {
     Differs::of(task, tried, known).is_some_and(|differs| {
-        let [from, to] = differs.samples;
-        differs.any(|role, sides, j| {
-            let values = &tried.run.columns[j].values;
-            role.is_constant_term() && sides.is_trim_shift(j, values[from], values[to])
+        differs.any(|role, j| {
+            let [before, after] = differs.values(&tried.run.columns[j]);
+            role.is_constant_term() && differs.sides.is_trim_shift(j, before, after)
         })
     })
 }
@@ -603,18 +600,29 @@ impl<'a> Differs<'a> {
         self.roles.get(j).is_none_or(|role| matches!(role, Role::Term(Coefficient::Drag, _)))
     }
 
-    /// Whether any parameter is another one.
-    fn any(&self, is_another: impl Fn(&Role, &BothSides, usize) -> bool) -> bool {
-        let own = self.roles.iter().enumerate().filter(|(j, _)| !self.is_of_drag(*j));
-        own.into_iter().any(|(j, role)| is_another(role, &self.sides, j))
+    /// The values of a column before and after.
+    fn values(&self, column: &ColumnRun) -> [f64; 2] {
+        self.samples.map(|sample| column.values[sample])
     }
 
-    /// Whether all of them together move the aircraft otherwise.
+    /// Whether any parameter is another one.
+    fn any(&self, is_another: impl Fn(&Role, usize) -> bool) -> bool {
+        self.roles.iter().enumerate().any(|(j, role)| !self.is_of_drag(j) && is_another(role, j))
+    }
+
+    /// Whether any parameter is another one by more than its errors and more than missing terms make.
+    fn by_itself(&self, columns: &[ColumnRun]) -> bool {
+        self.any(|_, j| {
+            let ([before, after], [from, to]) = (self.values(&columns[j]), self.samples);
+            self.sides.tells(j, before, after) && sigmas(&columns[j], from, to) > SIGMAS
+        })
+    }
+
+    /// Whether all of them together move the aircraft otherwise. The drag stays as it is in the end.
     fn together(&self, columns: &[ColumnRun]) -> bool {
-        let [from, to] = self.samples;
-        self.sides.moves_otherwise(&|j| match columns.get(j).filter(|_| !self.is_of_drag(j)) {
-            Some(column) => [column.values[from], column.values[to]],
-            None => columns.get(j).map_or([0.0; 2], |column| [column.values[to]; 2]),
+        self.sides.moves_otherwise(&|j| {
+            let [before, after] = columns.get(j).map_or([0.0; 2], |column| self.values(column));
+            if self.is_of_drag(j) { [after; 2] } else { [before, after] }
         })
     }
 }
