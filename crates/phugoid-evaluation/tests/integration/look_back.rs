@@ -131,6 +131,20 @@ fn a_trim_shift_in_gusts_is_found_where_no_derivative_is_another_one() {
     }
 }
 
+/// A flight of JSBSim's `pa28` in which a constant moment sets in at 28 s (`scripts/field/make.py`, repetition 1818, `trim-shift`). Opened a sixth of a
+/// second late, the record gains so much by being opened a fifth of a second earlier again that it was given two changes, of everything at 27.96 and of
+/// the constants at 28.16 s.
+#[test]
+fn the_moment_of_a_trim_shift_is_found_to_the_sample() {
+    let tests = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/look-back");
+    let model = ModelFile::open(tests.join("pa28-longitudinal.toml")).unwrap();
+    let record = Record::open(tests.join("pa28-trim-shift.csv")).unwrap();
+    let found = run(&record, &model, EstimateOptions::default());
+    let [change] = &found.changes[..] else { panic!("{:?}", found.changes) };
+    assert_eq!((change.opens, change.outcome), (Opens::Constants, ChangeOutcome::FoundAfterwards));
+    assert!((change.time_s - 28.0).abs() < 0.05, "{}", change.time_s);
+}
+
 /// What is known from elsewhere to be a trim shift opens the constants at once, in flight too.
 #[test]
 fn a_trim_shift_that_is_known_leaves_the_derivatives() {

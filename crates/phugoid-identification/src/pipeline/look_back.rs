@@ -11,8 +11,11 @@
 //! ([`BothSides`]). The same evidence is asked for of what was adopted in flight: where the whole record is not predicted better
 //! with it, it is taken back.
 
+mod moments;
+
 use phugoid_estimators::{ChangeState, ParameterStatus};
 
+use self::moments::{Moments, nats, onsets};
 use crate::core::error::EstimateError;
 use crate::core::estimation::{ChangeOutcome, Event, EventKind, without_part};
 use crate::core::options::{EstimateOptions, KnownChange, Opens};
@@ -29,12 +32,9 @@ const AFTER_S: f64 = 8.0;
 /// Moments that are asked about at first: not closer than this, s, and not more than so many.
 const CLOSEST_S: f64 = 3.0;
 const MOST: usize = 9;
-/// Besides, so many moments at which the record is predicted worst, over this time, s.
-const ONSETS: usize = 2;
-const DIP_S: f64 = 1.0;
 /// Part of the evidence for a change that the best of them has to have, so that its neighbourhood is looked at.
 const WORTH: f64 = 0.25;
-/// The best moment, and the ends of the interval in which the change lies, are then looked for to within this, s.
+/// The ends of the interval in which the change lies are looked for to within this, s.
 const RESOLUTION_S: f64 = 0.2;
 /// Evidence that a moment may have less than the best one, so that the change may have happened there as well: nats, and a part of
 /// what the change gains. The part is for models that are wrong, whose evidence counts the same error with every sample; it was chosen on
@@ -54,6 +54,9 @@ const ELSEWHERE: f64 = 0.05;
 /// have far more evidence.
 const EVIDENCE_WANDERING: f64 = 3000.0;
 const WANDERS: f64 = 0.35;
+/// A further change has to gain as much as one at another speed, and this part of what the first one gains: behind a real change a model that is
+/// wrong gains up to that by being opened once more.
+const FURTHER: f64 = 0.25;
 /// Standard errors by which a derivative has to change.
 const SIGMAS: f64 = 5.0;
 /// A trim shift: with the constants alone opened the record is predicted better by so many nats, and by this part of what it gains with
@@ -245,10 +248,15 @@ fn search<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     let mut standing = without.evidence();
     let mut found: Option<Run<R>> = None;
     let mut best = again.best(&known, window, without, &mut |done| progress(done / searches))?;
-    let mut accepted = 0;
+    let (mut accepted, mut first_gain) = (0, 0.0);
     let mut unbelieved: Option<Disputed> = None;
     while accepted < CHANGES {
         let gain = best.evidence - standing;
+        // So close to one that is known it is no other one: within seconds nothing tells the values before and after.
+        let is_further = found.is_none() || gain >= EVIDENCE_ELSEWHERE.max(FURTHER * first_gain);
+        if is_close(&known, best.change.time_s) || !is_further {
+            break;
+        }
         if gain < EVIDENCE || !is_believed(task, &best, &known) {
             unbelieved = disputed(&best, gain);
             break;
@@ -258,14 +266,8 @@ fn search<M: EveryRoom<N, R>, const N: usize, const R: usize>(
         let mut done = |done: f64| progress((accepted as f64 + 1.0 + done) / searches);
         best = again.best(&opened, window, &with, &mut done)?;
         let further = best.evidence - evidence_with;
-        // Derivatives that change together with a constant: no trim shift, but one change of everything.
-        let together = change.opens == Opens::Constants
-            && best.change.opens == Opens::Everything
-            && (best.change.time_s - change.time_s).abs() < CLOSEST_S
-            && further >= EVIDENCE
-            && is_believed_by_itself(task, &best, &opened);
-        if together {
-            best = again.at(&known, best.change)?;
+        if let Some(together) = again.together(&known, change, &best, evidence_with, standing)? {
+            best = together;
             continue;
         }
         // What wanders goes on to gain by being opened elsewhere; one sudden change explains the whole record.
@@ -280,6 +282,7 @@ fn search<M: EveryRoom<N, R>, const N: usize, const R: usize>(
             unbelieved = disputed(&Tried { change, evidence: evidence_with, run: with }, gain);
             break;
         }
+        first_gain = f64::max(first_gain, gain);
         (known, standing) = (opened, evidence_with);
         found = Some(with);
         accepted += 1;
@@ -326,6 +329,11 @@ fn window<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     (window[0] < window[1]).then_some(window)
 }
 
+/// Whether a moment is too close to one of the changes to be another one.
+fn is_close(changes: &[KnownChange], time_s: f64) -> bool {
+    changes.iter().any(|change| (change.time_s - time_s).abs() < CLOSEST_S)
+}
+
 /// The changes with one more, in order of time.
 fn added(known: &[KnownChange], change: KnownChange) -> Vec<KnownChange> {
     let mut changes = known.to_vec();
@@ -368,55 +376,73 @@ impl<M: EveryRoom<N, R>, const N: usize, const R: usize> Again<'_, '_, M, N, R> 
     fn best(
         &self,
         known: &[KnownChange],
-        [from_s, to_s]: [f64; 2],
+        window: [f64; 2],
         without: &Run<R>,
         progress: &mut dyn FnMut(f64),
     ) -> Result<Tried<R>, EstimateError> {
+        let [from_s, to_s] = window;
         let standing = without.evidence();
         let moments = (((to_s - from_s) / CLOSEST_S).ceil() as usize).clamp(1, MOST);
         let step_s = (to_s - from_s) / moments as f64;
-        let everything = |time_s: f64| KnownChange { time_s, opens: Opens::Everything };
-        let mut best = self.at(known, everything(from_s + 0.5 * step_s))?;
-        let keep_better = |time_s: f64, best: &mut Tried<R>| -> Result<(), EstimateError> {
-            let tried = self.at(known, everything(time_s))?;
-            if tried.evidence >= best.evidence {
-                *best = tried;
-            }
-            Ok(())
-        };
+        let mut everything = Moments::at(self, known, Opens::Everything, window, from_s + 0.5 * step_s)?;
         for k in 1..moments {
             progress(k as f64 / moments as f64);
-            keep_better(from_s + (k as f64 + 0.5) * step_s, &mut best)?;
+            everything.try_at(from_s + (k as f64 + 0.5) * step_s)?;
         }
-        for onset_s in onsets(without, &self.task.prepared.time, [from_s, to_s]) {
-            keep_better(onset_s, &mut best)?;
+        for onset_s in onsets(&nats(without), &self.task.prepared.time, window) {
+            everything.try_at(onset_s)?;
         }
-        let mut half_s = step_s / 2.0;
-        while half_s > RESOLUTION_S && best.evidence - standing > WORTH * EVIDENCE {
-            let middle_s = best.change.time_s;
-            for beside_s in [middle_s - half_s, middle_s + half_s] {
-                if (from_s..to_s).contains(&beside_s) {
-                    keep_better(beside_s, &mut best)?;
-                }
-            }
-            half_s /= 2.0;
+        if everything.best.evidence - standing <= WORTH * EVIDENCE {
+            return Ok(everything.best);
         }
+        everything.narrow(step_s, without)?;
+        let best = everything.best;
         // With a change that is known close by the constants are opened already.
-        let is_own = known.iter().all(|other| (other.time_s - best.change.time_s).abs() >= CLOSEST_S);
-        if is_own && best.evidence - standing > WORTH * EVIDENCE {
-            let shifted = self.at(known, KnownChange { opens: Opens::Constants, ..best.change })?;
+        if !is_close(known, best.change.time_s) {
+            let mut constants = Moments::at(self, known, Opens::Constants, window, best.change.time_s)?;
+            constants.try_sudden(without)?;
+            constants.fine()?;
+            let shifted = constants.best;
             let gain = shifted.evidence - standing;
             let part = gain / (best.evidence - standing);
             let is_shift = gain >= EVIDENCE_OF_CONSTANTS && is_trim_shift(self.task, &shifted, known);
             if is_shift
                 && (part >= AS_MUCH
                     || !is_believed_by_itself(self.task, &best, known)
-                        && self.is_most(known, &shifted, part, [from_s, to_s])?)
+                        && self.is_most(known, &shifted, part, window)?)
             {
                 return Ok(shifted);
             }
         }
         Ok(best)
+    }
+
+    /// One change of everything in place of a trim shift, `shift`, and a further change, `next`, of everything, where it explains the record as well:
+    /// derivatives that change together with a constant are no trim shift, also where nothing shows it until the next manoeuvre. `with_shift` is the evidence with
+    /// the trim shift alone, `standing` that without it.
+    fn together(
+        &self,
+        known: &[KnownChange],
+        shift: KnownChange,
+        next: &Tried<R>,
+        with_shift: f64,
+        standing: f64,
+    ) -> Result<Option<Tried<R>>, EstimateError> {
+        let is_followed = shift.opens == Opens::Constants
+            && next.change.opens == Opens::Everything
+            && next.evidence - with_shift >= EVIDENCE
+            && is_believed_by_itself(self.task, next, &added(known, shift));
+        if !is_followed {
+            return Ok(None);
+        }
+        let everything = |time_s: f64| self.at(known, KnownChange { time_s, opens: Opens::Everything });
+        let mut one = everything(shift.time_s)?;
+        if is_close(&[shift], next.change.time_s) {
+            let other = everything(next.change.time_s)?;
+            one = if other.evidence > one.evidence { other } else { one };
+        }
+        let is_as_much = one.evidence - standing >= AS_MUCH * (next.evidence - standing);
+        Ok((is_as_much && is_believed_by_itself(self.task, &one, known)).then_some(one))
     }
 
     /// Whether the part of the evidence that the constants alone gain is enough where no derivative is another one.
@@ -481,37 +507,6 @@ impl<M: EveryRoom<N, R>, const N: usize, const R: usize> Again<'_, '_, M, N, R> 
         };
         Ok([end(from_s)?, end(to_s)?])
     }
-}
-
-/// The moments at which a run is predicted worst over [`DIP_S`], the worst first: where a constant changes, the best moment to open
-/// it is a sharp one, because a constant that is opened a second too early is known again when it changes.
-fn onsets<const R: usize>(run: &Run<R>, time: &[f64], [from_s, to_s]: [f64; 2]) -> Vec<f64> {
-    let nats = run.log_density.iter().map(|row| row.iter().filter(|nats| nats.is_finite()).sum::<f64>());
-    let until: Vec<f64> = std::iter::once(0.0)
-        .chain(nats.scan(0.0, |sum, nats| {
-            *sum += nats;
-            Some(*sum)
-        }))
-        .collect();
-    let mut dips: Vec<(f64, f64)> = Vec::new();
-    for (sample, time_s) in time.iter().copied().enumerate().filter(|(_, t)| (from_s..to_s).contains(t)) {
-        let end = time.partition_point(|t| *t < time_s + DIP_S).min(until.len() - 1);
-        if end > sample {
-            // By sample, so that a gap does not hide one.
-            dips.push((time_s, (until[end] - until[sample]) / (end - sample) as f64));
-        }
-    }
-    dips.sort_by(|a, b| a.1.total_cmp(&b.1));
-    let mut worst: Vec<f64> = Vec::new();
-    for (time_s, _) in dips {
-        if worst.len() == ONSETS {
-            break;
-        }
-        if worst.iter().all(|other| (time_s - other).abs() >= CLOSEST_S) {
-            worst.push(time_s);
-        }
-    }
-    worst
 }
 
 /// Whether the flight goes on at another speed.
