@@ -81,7 +81,9 @@ def one_flight(sim: Simulator, plan: Plan, split: str, folder: pathlib.Path, exa
         "instruments": plan.instruments,
     }
     damage_at = plan.damage[0] if plan.damage else None
-    before = rows if damage_at is None else rows[flown.time[rows] < damage_at]
+    # The sample at the time of the damage was taken before it: what is seen of it begins with the next.
+    is_after = np.zeros(len(rows), dtype=bool) if damage_at is None else flown.time[rows] > damage_at + 1e-9
+    before = rows[~is_after]
     missing = {name: value for name, value in flown.added.items() if name in plan.added}
     parameters, explained = truth.fit(flown.coefficients, x, plan.axes, before, plan.rate_hz, missing)
     out["truth"] = {"parameters": parameters, "explained": explained, "until_s": damage_at}
@@ -91,7 +93,7 @@ def one_flight(sim: Simulator, plan: Plan, split: str, folder: pathlib.Path, exa
         split_names = (name.split("_", 1) for name in missing)
         out["missing"] = [[coefficient, words.get(variable, variable)] for coefficient, variable in split_names]
     if damage_at is not None:
-        after, explained = truth.fit(flown.coefficients, x, plan.axes, rows[flown.time[rows] >= damage_at], plan.rate_hz)
+        after, explained = truth.fit(flown.coefficients, x, plan.axes, rows[is_after], plan.rate_hz)
         out["change"] = {"time_s": damage_at, "changes": flown.changes, "after": after, "explained": explained}
     (folder / f"{plan.name}.truth.json").write_text(json.dumps(out, indent=1) + "\n")
     return out
