@@ -29,12 +29,11 @@ pub fn html(findings: &Findings) -> String {
     let mut page = format!(
         "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\
          <meta name=\"viewport\" content=\"width=device-width,initial-scale=1\"><title>Fleet: {0}</title><style>{STYLE}</style></head>\n\
-         <body><h1>Fleet: {0}</h1>\n<p class=\"note\">{1} airframes, {2} logs; {3}, by Phugoid</p>\n\
-         <p>Derivatives are per radian. Findings are called so at a rate of false ones of {4} %. Bars are two standard errors of a single flight, the band that \
+         <body><h1>Fleet: {0}</h1>\n<p class=\"note\">{1}; {2}, by Phugoid</p>\n\
+         <p>Derivatives are per radian. Findings are called so at a rate of false ones of {3} %. Bars are two standard errors of a single flight, the band that \
          of the mean with all that the flights share. Click a head to sort, a point for its flight.</p>\n",
         escaped(&findings.set.model),
-        findings.airframes.len(),
-        findings.logs,
+        findings.counts(),
         escaped(&findings.set.to_string()),
         100.0 * findings.false_discoveries,
     );

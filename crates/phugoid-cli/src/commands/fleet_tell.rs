@@ -33,7 +33,7 @@ pub(super) fn findings(folder: &std::path::Path, asking: &Asking) -> Result<Find
 }
 
 fn text(findings: &Findings) -> String {
-    let mut text = format!("{}: {} airframes, {} logs\n", findings.set, findings.airframes.len(), findings.logs);
+    let mut text = format!("{}: {}\n", findings.set, findings.counts());
     if !findings.refused.is_empty() {
         let words: Vec<String> = findings.refused.iter().map(|(word, count)| format!("{word} {count}")).collect();
         let _ = writeln!(text, "Without numbers: {}", words.join(", "));

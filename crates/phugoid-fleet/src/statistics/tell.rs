@@ -145,6 +145,14 @@ pub struct Findings {
     pub coverage: Vec<Coverage>,
 }
 
+impl Findings {
+    /// How many airframes and logs, in words: `1 airframe, 12 logs`.
+    pub fn counts(&self) -> String {
+        let counted = |count: usize, what: &str| format!("{count} {what}{}", if count == 1 { "" } else { "s" });
+        format!("{}, {}", counted(self.airframes.len(), "airframe"), counted(self.logs, "log"))
+    }
+}
+
 /// One airframe.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Airframe {
@@ -541,6 +549,7 @@ mod tests {
         for kind in ["manoeuvres", "whole"] {
             let found = asked(&[kind]).unwrap();
             let [airframe] = &found.airframes[..] else { panic!("{found:?}") };
+            assert!(found.counts().starts_with("1 airframe, "), "{}", found.counts());
             assert_eq!((airframe.courses[0].points.len(), found.refused["not-a-flight"]), (1, 1), "{kind}");
             assert_eq!(
                 (airframe.unused.logs, airframe.unused.of, airframe.unused.words().as_str()),
