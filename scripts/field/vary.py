@@ -87,9 +87,12 @@ def main() -> None:
     parser.add_argument("--only", nargs="+", choices=KINDS, default=KINDS)
     parser.add_argument("--split", choices=("develop", "look-once"), default="look-once")
     arguments = parser.parse_args()
+    source = arguments.field / arguments.split
+    if not any(source.glob("*/*.truth.json")):
+        parser.error(f"{source} has no flights with their truth: make them with scripts/field/make.py, or name the other part with --split")
     known = known_columns()
     count = 0
-    for aircraft in sorted(p for p in (arguments.field / arguments.split).iterdir() if p.is_dir()):
+    for aircraft in sorted(p for p in source.iterdir() if p.is_dir()):
         for kind in arguments.only:
             (arguments.folder / kind / arguments.split / aircraft.name).mkdir(parents=True, exist_ok=True)
             for model in aircraft.glob("*.toml"):

@@ -15,6 +15,12 @@ fn damaged() -> (Record, ModelFile) {
     (Record::open(tests.join("look-back/pc7-damage-tail.csv")).unwrap(), model)
 }
 
+/// A flight that is kept for this, and its model file.
+fn kept(record: &str, model: &str) -> (Record, ModelFile) {
+    let tests = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/look-back");
+    (Record::open(tests.join(record)).unwrap(), ModelFile::open(tests.join(model)).unwrap())
+}
+
 fn run(record: &Record, model: &ModelFile, options: EstimateOptions) -> Estimation {
     let options = EstimateOptions { structure: StructureSearch::Never, ..options };
     estimate(record, model, &options, &mut |_| ()).unwrap()
@@ -57,25 +63,20 @@ fn a_damage_that_was_missed_in_flight_is_found_in_the_whole_record() {
 /// result was 4.37 +- 0.86 without a word.
 #[test]
 fn a_damage_that_shows_in_no_derivative_by_itself_is_found() {
-    let tests = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/look-back");
-    let model = ModelFile::open(tests.join("j3cub-longitudinal.toml")).unwrap();
-    let record = Record::open(tests.join("j3cub-damage-cl-alpha.csv")).unwrap();
+    let (record, model) = kept("j3cub-damage-cl-alpha.csv", "j3cub-longitudinal.toml");
     let found = run(&record, &model, EstimateOptions::default());
     let [change] = &found.changes[..] else { panic!("{:?}", found.changes) };
     assert_eq!(change.outcome, ChangeOutcome::FoundAfterwards);
     let [from_s, to_s] = change.interval_s.unwrap();
     assert!(from_s < 28.0 && 28.0 < to_s && to_s - from_s < 1.0, "{from_s} to {to_s}");
     let slope = found.parameter("CL_alpha").unwrap();
-    println!("{slope:?}");
     assert!((slope.value - 3.664).abs() < 2.0 * slope.corrected_std_error && slope.corrected_std_error < 0.25);
 }
 
 /// A flight of JSBSim's `OV10` in which a pitching moment of -0.0134 sets in at 28 s, and nothing else changes (`scripts/field/make.py`, develop,
 /// `trim-shift`). At the other angle of attack the terms of the model are best at Cm_alpha -0.341, Cm_q -26.7, Cm_elevator -0.854.
 fn shifted() -> (Record, ModelFile) {
-    let tests = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/look-back");
-    let model = ModelFile::open(tests.join("ov10-longitudinal.toml")).unwrap();
-    (Record::open(tests.join("ov10-trim-shift.csv")).unwrap(), model)
+    kept("ov10-trim-shift.csv", "ov10-longitudinal.toml")
 }
 
 /// The derivatives of the moment with which the flight of the `OV10` after its trim shift is described best.
@@ -116,9 +117,7 @@ fn no_derivative_is_blamed_for_a_trim_shift() {
 /// (`scripts/field/make.py`, strangers, `trim-shift-light`). The constants explain 92 % of what everything does, and no derivative is another one.
 #[test]
 fn a_trim_shift_in_gusts_is_found_where_no_derivative_is_another_one() {
-    let tests = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/look-back");
-    let model = ModelFile::open(tests.join("c130-longitudinal.toml")).unwrap();
-    let record = Record::open(tests.join("c130-trim-shift.csv")).unwrap();
+    let (record, model) = kept("c130-trim-shift.csv", "c130-longitudinal.toml");
     let found = run(&record, &model, EstimateOptions::default());
     assert_eq!(found.status, EstimationStatus::Sound, "{:?}", found.verdict);
     let [change] = &found.changes[..] else { panic!("{:?}", found.changes) };
@@ -136,9 +135,7 @@ fn a_trim_shift_in_gusts_is_found_where_no_derivative_is_another_one() {
 /// the constants at 28.16 s.
 #[test]
 fn the_moment_of_a_trim_shift_is_found_to_the_sample() {
-    let tests = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/look-back");
-    let model = ModelFile::open(tests.join("pa28-longitudinal.toml")).unwrap();
-    let record = Record::open(tests.join("pa28-trim-shift.csv")).unwrap();
+    let (record, model) = kept("pa28-trim-shift.csv", "pa28-longitudinal.toml");
     let found = run(&record, &model, EstimateOptions::default());
     let [change] = &found.changes[..] else { panic!("{:?}", found.changes) };
     assert_eq!((change.opens, change.outcome), (Opens::Constants, ChangeOutcome::FoundAfterwards));
@@ -167,9 +164,7 @@ fn a_trim_shift_that_is_known_leaves_the_derivatives() {
 /// (`scripts/field/make.py`, develop, `lat-damage-aileron`): Cl_aileron goes from -0.0384 to -0.0194. With its product of inertia
 /// the terms of the yawing moment stand in the equation of p' as well, and none of the two moments was asked.
 fn weak_ailerons() -> (Record, ModelFile) {
-    let tests = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/look-back");
-    let model = ModelFile::open(tests.join("f15-lateral.toml")).unwrap();
-    (Record::open(tests.join("f15-damage-aileron.csv")).unwrap(), model)
+    kept("f15-damage-aileron.csv", "f15-lateral.toml")
 }
 
 #[test]
@@ -221,9 +216,7 @@ fn nothing_is_found_where_nothing_changes_and_where_nobody_looks() {
 /// flight a change is adopted at 32.9 s, with which CD_alpha is far off: 0.009, where it is 0.0361, and 0.040 without it.
 #[test]
 fn what_was_adopted_in_flight_and_does_not_predict_better_is_taken_back() {
-    let tests = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/look-back");
-    let model = ModelFile::open(tests.join("dr1-longitudinal.toml")).unwrap();
-    let record = Record::open(tests.join("dr1-quiet-first.csv")).unwrap();
+    let (record, model) = kept("dr1-quiet-first.csv", "dr1-longitudinal.toml");
     let drag = |found: &Estimation| found.parameters.iter().find(|p| p.name == "CD_alpha").unwrap().value;
 
     let causal = run(&record, &model, EstimateOptions::causal());

@@ -529,11 +529,9 @@ fn is_believed<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     tried: &Tried<R>,
     known: &[KnownChange],
 ) -> bool {
-    match tried.change.opens {
-        Opens::Constants => is_trim_shift(task, tried, known),
-        Opens::Everything => Differs::of(task, tried, known)
-            .is_some_and(|differs| differs.by_itself(&tried.run.columns) || differs.together(&tried.run.columns)),
-    }
+    is_another(task, tried, known, |differs| {
+        differs.by_itself(&tried.run.columns) || differs.together(&tried.run.columns)
+    })
 }
 
 /// Whether a parameter is another one by itself: what is asked against a trim shift, which the derivatives together imitate.
@@ -542,11 +540,19 @@ fn is_believed_by_itself<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     tried: &Tried<R>,
     known: &[KnownChange],
 ) -> bool {
+    is_another(task, tried, known, |differs| differs.by_itself(&tried.run.columns))
+}
+
+/// Whether the aircraft is another one: by its constants where they alone were opened, else by what is asked of everything.
+fn is_another<M: EveryRoom<N, R>, const N: usize, const R: usize>(
+    task: &Task<M, N, R>,
+    tried: &Tried<R>,
+    known: &[KnownChange],
+    with_everything: impl Fn(&Differs) -> bool,
+) -> bool {
     match tried.change.opens {
         Opens::Constants => is_trim_shift(task, tried, known),
-        Opens::Everything => {
-            Differs::of(task, tried, known).is_some_and(|differs| differs.by_itself(&tried.run.columns))
-        }
+        Opens::Everything => Differs::of(task, tried, known).is_some_and(|differs| with_everything(&differs)),
     }
 }
 

@@ -102,16 +102,20 @@ pub(super) fn nats<const R: usize>(run: &Run<R>) -> Vec<f64> {
     run.log_density.iter().map(|row| row.iter().filter(|nats| nats.is_finite()).sum()).collect()
 }
 
+/// By sample; there is at least one.
+fn mean(nats: &[f64]) -> f64 {
+    nats.iter().sum::<f64>() / nats.len() as f64
+}
+
 /// The moments at which a run is predicted worst over [`DIP_S`], the worst first: where a constant changes, the best moment to open
 /// it is a sharp one, because a constant that is opened a second too early is known again when it changes.
 pub(super) fn onsets(nats: &[f64], time: &[f64], [from_s, to_s]: [f64; 2]) -> Vec<f64> {
-    let mean = |from: usize, to: usize| nats[from..to].iter().sum::<f64>() / (to - from) as f64;
     let mut dips: Vec<(f64, f64)> = Vec::new();
     for (sample, time_s) in time.iter().copied().enumerate().filter(|(_, t)| (from_s..to_s).contains(t)) {
         let end = time.partition_point(|t| *t < time_s + DIP_S).min(nats.len());
         if end > sample {
             // By sample, so that a gap does not hide one.
-            dips.push((time_s, mean(sample, end)));
+            dips.push((time_s, mean(&nats[sample..end])));
         }
     }
     dips.sort_by(|a, b| a.1.total_cmp(&b.1));
@@ -129,11 +133,10 @@ pub(super) fn onsets(nats: &[f64], time: &[f64], [from_s, to_s]: [f64; 2]) -> Ve
 
 /// The moment in a window at which prediction becomes worse the most suddenly: the mean over [`SUDDEN_S`] after it against that before it.
 fn suddenly_worse(nats: &[f64], time: &[f64], [from_s, to_s]: [f64; 2]) -> Option<f64> {
-    let mean = |from: usize, to: usize| nats[from..to].iter().sum::<f64>() / (to - from) as f64;
     let place = |time_s: f64| time.partition_point(|t| *t < time_s).min(nats.len());
     let drop = |sample: usize| {
         let [from, to] = [-SUDDEN_S, SUDDEN_S].map(|beside_s| place(time[sample] + beside_s));
-        (from < sample && sample < to).then(|| (time[sample], mean(from, sample) - mean(sample, to)))
+        (from < sample && sample < to).then(|| (time[sample], mean(&nats[from..sample]) - mean(&nats[sample..to])))
     };
     (place(from_s)..place(to_s)).filter_map(drop).max_by(|a, b| a.1.total_cmp(&b.1)).map(|(time_s, _)| time_s)
 }
