@@ -55,6 +55,8 @@ where
     pub(crate) measured_after: [f64; N],
     /// Outputs at its end with the parameters at zero, and how the parameters enter them.
     pub(crate) outputs: LinearizedOutputs<N, R, P>,
+    /// What errors of the states make of each output, by the present parameters, output units squared.
+    from_states: [f64; R],
     /// Parameters that an output sees directly.
     seen: [bool; P],
     /// Parameters that drive each state.
@@ -109,6 +111,7 @@ where
             measured_before: [f64::NAN; N],
             measured_after: [f64::NAN; N],
             outputs: LinearizedOutputs::ZERO,
+            from_states: [0.0; R],
             seen: [false; P],
             drives: [[false; P]; N],
         })
@@ -200,6 +203,10 @@ where
         });
         if !self.state.iter().all(|value| value.is_finite()) {
             return self.restart(sample);
+        }
+        let variances = self.source.variances();
+        for (variance, h) in self.from_states.iter_mut().zip(&self.outputs.state_jacobian) {
+            *variance = h.iter().zip(&variances).map(|(h, variance)| h * h * variance).sum();
         }
         self.frame.interval_s = interval_s;
         self.before = self.next;
@@ -329,7 +336,11 @@ where
             let measured = believed[output];
             if measured.is_finite() && self.is_algebraic(output) {
                 let known = self.outputs.outputs[output];
-                let std = self.settings.noise_std[output];
+                let noise = self.settings.noise_std[output];
+                let std = match at(&self.from_states, output) {
+                    added if added.is_finite() && added > 0.0 => libm::sqrt(noise * noise + added),
+                    _ => noise,
+                };
                 let mut row = Row { output, z: measured - known, w: [0.0; P], known, std };
                 row.w[..own].copy_from_slice(&self.outputs.parameter_jacobian[output][..own]);
                 if let Some(column) = columns.bias(output) {

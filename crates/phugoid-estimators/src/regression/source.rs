@@ -33,6 +33,12 @@ pub trait StateSource<I, const N: usize, const R: usize> {
 
     /// Takes the next frame and gives the state that holds at it.
     fn update(&mut self, step: &SourceStep<'_, I, N, R>) -> [f64; N];
+
+    /// Variances of the errors of the states that were given last, state units squared. What they make of an output is added
+    /// to the noise of its row. Zero, the usual answer, takes the states as right.
+    fn variances(&self) -> [f64; N] {
+        [0.0; N]
+    }
 }
 
 /// The measured states as they are; a state that is missing in a frame is the model's prediction.

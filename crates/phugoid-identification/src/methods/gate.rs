@@ -8,6 +8,7 @@
 use phugoid_estimators::{ConstantEffects, Input, LinearizedOutputs, LinearizedRates, Model};
 
 use crate::core::axes::{Axes, Group};
+use crate::core::output::Output;
 use crate::model_file::{Base, ModelFile};
 use crate::models::longitudinal::Database;
 use crate::motion::{Known, Motion, MotionModel, ReferencePoint, terms};
@@ -107,6 +108,10 @@ impl<M: Motion<N, R>, const N: usize, const R: usize> Motion<N, R> for Gated<M> 
 
     fn known_input(known: &Known) -> Self::KnownInput {
         GatedInput { input: M::known_input(known), open: Moved::ALL, surface_rates: [0.0; 3] }
+    }
+
+    fn known_channel(input: &Self::KnownInput, channel: Output) -> Option<f64> {
+        M::known_channel(&input.input, channel)
     }
 }
 

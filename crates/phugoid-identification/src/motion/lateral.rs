@@ -4,6 +4,7 @@ use phugoid_estimators::ConstantEffects;
 
 use super::{Known, Motion, ReferencePoint, terms};
 use crate::core::axes::Axes;
+use crate::core::output::Output;
 use crate::core::systematic::UncertainQuantity;
 use crate::model_file::ModelFile;
 use crate::models::lateral::constants::CONSTANTS;
@@ -32,6 +33,18 @@ impl Motion<LATERAL_STATES, LATERAL_OUTPUTS> for LateralModel {
             q: known.q,
             ax: known.ax,
             az: known.az,
+        }
+    }
+
+    fn known_channel(input: &LateralInput, channel: Output) -> Option<f64> {
+        match channel {
+            Output::TrueAirspeed => Some(input.speed),
+            Output::Alpha => Some(input.alpha),
+            Output::Theta => Some(input.theta),
+            Output::PitchRate => Some(input.q),
+            Output::Ax => Some(input.ax),
+            Output::Az => Some(input.az),
+            _ => None,
         }
     }
 

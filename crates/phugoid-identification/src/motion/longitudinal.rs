@@ -5,6 +5,7 @@ use phugoid_flight_dynamics::atmosphere::Atmosphere;
 
 use super::{Known, Motion, ReferencePoint, terms};
 use crate::core::axes::Axes;
+use crate::core::output::Output;
 use crate::core::systematic::UncertainQuantity;
 use crate::core::term::{Coefficient, Term, Variable};
 use crate::model_file::{AirDensity, ModelFile, RateSpeed, Source};
@@ -47,6 +48,10 @@ impl Motion<STATES, OUTPUTS> for LongitudinalModel {
             extra: known.extra,
             controls_held: known.controls_held,
         }
+    }
+
+    fn known_channel(_: &LongitudinalInput, _: Output) -> Option<f64> {
+        None
     }
 
     const CONSTANTS: &'static [UncertainQuantity] = &CONSTANTS;

@@ -34,10 +34,9 @@ pub trait Motion<const N: usize, const R: usize>: Clone + Debug + Send + 'static
     fn known_input(known: &Known) -> Self::KnownInput;
 
     /// A channel of the motion, SI, that the input holds instead of the outputs ([`Axes::known_channels`]); none if it
-    /// does not. The kinematic equations need the airspeed also where it is not a state.
-    fn known_channel(_input: &Self::KnownInput, _channel: Output) -> Option<f64> {
-        None
-    }
+    /// does not. The kinematic equations need the airspeed also where it is not a state. There is no usual answer: a motion
+    /// that forgets its channels would be integrated at an airspeed of zero.
+    fn known_channel(input: &Self::KnownInput, channel: Output) -> Option<f64>;
 
     /// The constants whose errors can be followed through an estimation, by column of [`Motion::effects`]; a quantity may
     /// have several columns, whose errors have nothing to do with each other. None for a motion without.

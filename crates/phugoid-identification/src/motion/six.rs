@@ -4,6 +4,7 @@ use phugoid_flight_dynamics::aircraft::Aircraft as _;
 
 use super::{Known, Motion, ReferencePoint, terms};
 use crate::core::axes::Axes;
+use crate::core::output::Output;
 use crate::model_file::{ModelFile, RateSpeed};
 use crate::models::longitudinal::Database;
 use crate::models::rigid::{AircraftConstants, MassInput, Surfaces};
@@ -21,6 +22,10 @@ impl Motion<SIX_STATES, SIX_OUTPUTS> for SixModel {
 
     fn known_input(known: &Known) -> SixInput {
         SixInput { surfaces: known.into(), air_density: known.air_density, thrust: known.thrust, mass: known.into() }
+    }
+
+    fn known_channel(_: &SixInput, _: Output) -> Option<f64> {
+        None
     }
 }
 

@@ -8,11 +8,18 @@
 //!
 //! (Stevens & Lewis, table 2.5-1). Each of these states is integrated and drawn towards its own measurement with the
 //! gain `max(1/(k+1), 1 - e^{-b h})` at its `k`-th measurement: the mean of all at first, a filter of corner `b` later.
-//! The rule for the corner is the stationary Kalman gain of a random walk, `b = sqrt((s_i^2 h + Q)/(s^2 h))`, with `s`
-//! the noise of the measurement (one sigma), `s_i` that of the integrated rate, `Q` the process noise of the state
-//! (variance per second) and `h` the sample time. There is nothing to tune: 0.3, 1 and 2 rad/s for V, alpha and theta
-//! of the F-16 in calm air, and some 30 rad/s in light turbulence, where the vane feels gusts that no accelerometer
-//! predicts.
+//!
+//! **The corner.** With sensors alone it is the stationary Kalman gain of a random walk, `b = sqrt((s_i^2 h + Q)/(s^2 h))`,
+//! with `s` the noise of the measurement (one sigma), `s_i` that of the integrated rate, `Q` the process noise of the
+//! state (variance per second) and `h` the sample time: 0.3, 1 and 2 rad/s for V, alpha and theta of the F-16 in calm
+//! air, and some 30 rad/s in light turbulence, where the vane feels gusts that no accelerometer predicts.
+//!
+//! Where the process noise is fixed, that rule holds. Where it may adapt, nobody has said how rough the air is, and
+//! [`CANDIDATES`] filters of corners a factor [`RATIO`] apart, from that of calm air upwards, run beside each other. One
+//! counts by how well it predicts the next measurement: with `m` the mean square of its prediction errors over the last
+//! [`MEMORY_S`], its weight is `m^(-n/2)`, the likelihood of `n` independent errors of unknown size. The state is the
+//! weighted mean. A corner that is too low follows gusts too late; one that is too high hands on the noise of the vane, and
+//! noise in regressors makes derivatives too small.
 //!
 //! Angular rates stay as measured: only the unknown moments could smooth them.
 
@@ -20,13 +27,109 @@ use std::marker::PhantomData;
 
 use phugoid_estimators::Sample;
 use phugoid_estimators::regression::{SourceStep, StateSource};
-use phugoid_estimators::settings::EstimatorSettings;
+use phugoid_estimators::settings::{EstimatorSettings, NoiseAdaptation};
 
 use crate::core::output::{CHANNELS, Output};
 use crate::motion::Motion;
 
 /// The states that kinematics integrates.
 const INTEGRATED: [Output; 5] = [Output::TrueAirspeed, Output::Alpha, Output::Beta, Output::Phi, Output::Theta];
+
+/// Number of filters that run beside each other for a state where the process noise may adapt.
+const CANDIDATES: usize = 8;
+/// Ratio of the corners of two of them.
+const RATIO: f64 = 3.0;
+/// Gain of the fastest that is of use: the measurement as it is, but for single wild values.
+const HIGHEST_GAIN: f64 = 0.95;
+/// Memory of the mean squares of the prediction errors, s: some manoeuvres long, so that the weather may change.
+const MEMORY_S: f64 = 20.0;
+/// An error counts in a mean square as at most this many times it: outliers that passed the gate decide nothing.
+const LARGEST_SQUARE: f64 = 9.0;
+
+/// One integrated state in its filters.
+#[derive(Clone, Copy, Debug)]
+struct Filters {
+    /// Corner of each filter, rad/s.
+    corners: [f64; CANDIDATES],
+    /// How many of them there are.
+    count: usize,
+    /// The state according to each, state unit.
+    states: [f64; CANDIDATES],
+    /// Mean square of the prediction errors of each, state unit squared.
+    squares: [f64; CANDIDATES],
+    /// Measurements since the start of the states.
+    taken: f64,
+    /// Measurements since the first start, as the memory counts them.
+    remembered: f64,
+}
+
+impl Filters {
+    const NONE: Self = Self {
+        corners: [0.0; CANDIDATES],
+        count: 1,
+        states: [0.0; CANDIDATES],
+        squares: [0.0; CANDIDATES],
+        taken: 0.0,
+        remembered: 0.0,
+    };
+
+    /// One filter of a corner, rad/s, or from that corner up to the fastest that is of use at the sample time `h`, s.
+    fn set(&mut self, corner: f64, adapts: bool, h: f64) {
+        self.corners = std::array::from_fn(|i| corner * RATIO.powi(i as i32));
+        let of_use = |corner: &&f64| 1.0 - (-**corner * h).exp() < HIGHEST_GAIN;
+        self.count = if adapts && corner > 0.0 { self.corners.iter().filter(of_use).count().max(1) } else { 1 };
+    }
+
+    fn start(&mut self, state: f64) {
+        (self.states, self.taken) = ([state; CANDIDATES], 0.0);
+    }
+
+    /// Moves all by what was integrated, and draws them towards a measurement, if there is one; gives their weighted mean.
+    fn advance(&mut self, integrated: f64, measured: f64, h: f64) -> f64 {
+        self.states.iter_mut().for_each(|state| *state += integrated);
+        if measured.is_finite() && self.corners[0] > 0.0 {
+            self.taken += 1.0;
+            self.remembered = (self.remembered + 1.0).min(MEMORY_S / h);
+            for ((corner, state), square) in self.corners.iter().zip(&mut self.states).zip(&mut self.squares) {
+                let error = measured - *state;
+                // The first errors are those of the start, and the same for all.
+                if self.taken > 1.0 {
+                    let largest = if *square > 0.0 { LARGEST_SQUARE * *square } else { f64::INFINITY };
+                    *square += ((error * error).min(largest) - *square) / self.remembered;
+                }
+                *state += (1.0 / self.taken).max(1.0 - (-corner * h).exp()) * error;
+            }
+        }
+        if self.count == 1 { self.states[0] } else { self.mean() }
+    }
+
+    /// The states, weighted by the likelihood of their prediction errors.
+    fn mean(&self) -> f64 {
+        self.weighted(|i| self.states[i])
+    }
+
+    /// Variance of the error of the state, state unit squared: `K R` of a stationary filter with the gain `K` for a
+    /// measurement of the noise variance `R`, which is `noise`, or `1 - K` of the mean square where that is learnt.
+    fn variance(&self, noise: f64, h: f64) -> f64 {
+        let gain = |i: usize| (1.0 / self.taken.max(1.0)).max(1.0 - (-self.corners[i] * h).exp());
+        if self.count == 1 { gain(0) * noise } else { self.weighted(|i| gain(i) * (1.0 - gain(i)) * self.squares[i]) }
+    }
+
+    /// A value of each filter, weighted by the likelihood of their prediction errors.
+    fn weighted(&self, value: impl Fn(usize) -> f64) -> f64 {
+        let likelihood: [f64; CANDIDATES] =
+            std::array::from_fn(|i| -0.5 * self.remembered * self.squares[i].max(f64::MIN_POSITIVE).ln());
+        let of_use = &likelihood[..self.count.min(CANDIDATES)];
+        let most = of_use.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let (mut sum, mut weights) = (0.0, 0.0);
+        for (i, likelihood) in of_use.iter().enumerate() {
+            let weight = (likelihood - most).exp();
+            sum += weight * value(i);
+            weights += weight;
+        }
+        sum / weights
+    }
+}
 
 /// The kinematic front end of the motion `M` with `N` states and `R` outputs.
 #[derive(Clone, Copy, Debug)]
@@ -40,10 +143,10 @@ pub struct KinematicFrontEnd<M, const N: usize, const R: usize> {
     /// Process noise of the integrated states, variance per second.
     process: [f64; 5],
     sample_time_s: f64,
-    /// Corner frequencies `b` of the five filters, rad/s.
-    corners: [f64; 5],
-    /// Measurements taken, per integrated state.
-    taken: [f64; 5],
+    /// Whether the process noise may adapt.
+    adapts: bool,
+    /// The filters of the five integrated states.
+    filters: [Filters; 5],
     /// All channels at the last frame.
     last: [f64; CHANNELS],
 }
@@ -68,16 +171,10 @@ impl<M: Motion<N, R>, const N: usize, const R: usize> KinematicFrontEnd<M, N, R>
             noise,
             process,
             sample_time_s: settings.sample_time_s,
-            corners: [0.0; 5],
-            taken: [0.0; 5],
+            adapts: settings.process_noise.adaptation != NoiseAdaptation::Off,
+            filters: [Filters::NONE; 5],
             last: [0.0; CHANNELS],
         }
-    }
-
-    /// `b` of airspeed, alpha, beta, phi and theta, rad/s, as set at the start; infinite where the measurement is taken
-    /// as it is, zero where there is none.
-    pub fn corner_rates(&self) -> [f64; 5] {
-        self.corners
     }
 
     fn set_corners(&mut self, speed: f64) {
@@ -97,14 +194,13 @@ impl<M: Motion<N, R>, const N: usize, const R: usize> KinematicFrontEnd<M, N, R>
             force(Output::RollRate),
             force(Output::PitchRate),
         ];
-        self.corners = std::array::from_fn(|i| {
-            let measured = square(noise(INTEGRATED[i])) * self.sample_time_s;
-            if measured.is_finite() {
-                ((rate[i] * self.sample_time_s + self.process[i]) / measured).sqrt()
-            } else {
-                0.0
-            }
-        });
+        for (i, filters) in self.filters.iter_mut().enumerate() {
+            let measured = square(self.noise[INTEGRATED[i].index()]) * self.sample_time_s;
+            // What may adapt begins with calm air.
+            let process = if self.adapts { 0.0 } else { self.process[i] };
+            let corner = ((rate[i] * self.sample_time_s + process) / measured).sqrt();
+            filters.set(if measured.is_finite() { corner } else { 0.0 }, self.adapts, self.sample_time_s);
+        }
     }
 
     /// Rates of the integrated states at a frame, per second.
@@ -139,8 +235,10 @@ impl<M: Motion<N, R>, const N: usize, const R: usize> StateSource<M::KnownInput,
             Some(row) if sample.outputs[row].is_finite() => sample.outputs[row],
             _ => M::known_channel(&sample.input, channel).unwrap_or(0.0),
         });
-        self.taken = [0.0; 5];
         self.set_corners(self.last[Output::TrueAirspeed.index()]);
+        for (filters, state) in self.filters.iter_mut().zip(&INTEGRATED) {
+            filters.start(self.last[state.index()]);
+        }
     }
 
     fn update(&mut self, step: &SourceStep<'_, M::KnownInput, N, R>) -> [f64; N] {
@@ -162,20 +260,33 @@ impl<M: Motion<N, R>, const N: usize, const R: usize> StateSource<M::KnownInput,
         for (i, state) in INTEGRATED.iter().enumerate() {
             let Some(row) = self.rows[state.index()] else { continue };
             let integrated = self.last[state.index()] + 0.5 * h * (before[i] + after[i]);
-            let measured = step.outputs[row];
-            now[state.index()] = integrated;
-            if !integrated.is_finite() {
+            if integrated.is_finite() {
+                now[state.index()] =
+                    self.filters[i].advance(integrated - self.last[state.index()], step.outputs[row], h);
+            } else {
                 now[state.index()] = step.predicted_state.get(row).copied().unwrap_or(integrated);
-            } else if measured.is_finite() && self.corners[i] > 0.0 {
-                self.taken[i] += 1.0;
-                let gain = (1.0 / self.taken[i]).max(1.0 - (-self.corners[i] * h).exp());
-                now[state.index()] += gain * (measured - integrated);
+                self.filters[i].start(now[state.index()]);
             }
         }
         self.last = now;
         std::array::from_fn(|row| {
             let channel = Output::ALL.iter().position(|c| self.rows[c.index()] == Some(row));
             channel.map_or(step.predicted_state[row], |channel| now[channel])
+        })
+    }
+
+    fn variances(&self) -> [f64; N] {
+        std::array::from_fn(|row| {
+            let channel = Output::ALL.iter().find(|c| self.rows[c.index()] == Some(row));
+            channel.map_or(0.0, |channel| {
+                let noise = self.noise[channel.index()];
+                let noise = if noise.is_finite() { noise * noise } else { 0.0 };
+                match INTEGRATED.iter().position(|state| state == channel) {
+                    Some(i) if self.filters[i].corners[0] > 0.0 => self.filters[i].variance(noise, self.sample_time_s),
+                    Some(_) => 0.0,
+                    None => noise,
+                }
+            })
         })
     }
 }
