@@ -3,7 +3,7 @@
 use super::gate::Gate;
 use super::row_source::{Frame, RowSource, Taken};
 use super::rows::{Kreisselmeier, Rates, Row};
-use super::source::{SourceStep, StateSource};
+use super::source::{SourceStep, StateError, StateSource};
 use crate::bounded::at;
 use crate::columns::Columns;
 use crate::discretization::{IntervalInput, simulate};
@@ -22,6 +22,11 @@ const MOVING_SIGMAS: f64 = 4.0;
 const BRIDGE_S: f64 = 0.1;
 /// Shortest block of the colour correction, s: the residuals of a regression stay correlated for about that long.
 const LEAST_COLOUR_BLOCK_S: f64 = 1.0;
+
+/// One sigma of noise together with another variance, which counts if it is a number.
+fn with_added(noise_std: f64, added: f64) -> f64 {
+    if added.is_finite() && added > 0.0 { libm::sqrt(noise_std * noise_std + added) } else { noise_std }
+}
 
 /// The regression of a model: the model, the source of its states, and the terms of the equations over the last
 /// interval.
@@ -55,8 +60,10 @@ where
     pub(crate) measured_after: [f64; N],
     /// Outputs at its end with the parameters at zero, and how the parameters enter them.
     pub(crate) outputs: LinearizedOutputs<N, R, P>,
-    /// What errors of the states make of each output, by the present parameters, output units squared.
-    from_states: [f64; R],
+    /// What errors of the states add to the variance of each output, output units squared.
+    added_to_outputs: [f64; R],
+    /// ... and to that of the filtered rate of each state, state units squared.
+    added_to_rates: [f64; N],
     /// Parameters that an output sees directly.
     seen: [bool; P],
     /// Parameters that drive each state.
@@ -111,7 +118,8 @@ where
             measured_before: [f64::NAN; N],
             measured_after: [f64::NAN; N],
             outputs: LinearizedOutputs::ZERO,
-            from_states: [0.0; R],
+            added_to_outputs: [0.0; R],
+            added_to_rates: [0.0; N],
             seen: [false; P],
             drives: [[false; P]; N],
         })
@@ -204,10 +212,7 @@ where
         if !self.state.iter().all(|value| value.is_finite()) {
             return self.restart(sample);
         }
-        let variances = self.source.variances();
-        for (variance, h) in self.from_states.iter_mut().zip(&self.outputs.state_jacobian) {
-            *variance = h.iter().zip(&variances).map(|(h, variance)| h * h * variance).sum();
-        }
+        self.allow_for_errors_of_states(theta, &input.at(1.0));
         self.frame.interval_s = interval_s;
         self.before = self.next;
         self.after = self.rates(&input.at(1.0));
@@ -222,6 +227,25 @@ where
         }
         self.look_for_motion(interval_s);
         Taken::Next
+    }
+
+    /// What errors of the states make of outputs and of filtered rates, by the present parameters.
+    fn allow_for_errors_of_states(&mut self, theta: &[f64; P], input: &M::Input) {
+        let errors = self.source.errors();
+        if errors.iter().all(|error| error.variance <= 0.0) {
+            return;
+        }
+        let pole = self.settings.regression.filter_rate;
+        let sum = |slopes: &[f64; N], variance: &dyn Fn(&StateError) -> f64| -> f64 {
+            slopes.iter().zip(&errors).map(|(slope, error)| slope * slope * variance(error)).sum()
+        };
+        for (added, slopes) in self.added_to_outputs.iter_mut().zip(&self.outputs.state_jacobian) {
+            *added = sum(slopes, &|error| error.variance);
+        }
+        self.model.linearized_rates(&self.state, theta, input, &mut self.lin);
+        for (added, slopes) in self.added_to_rates.iter_mut().zip(&self.lin.state_jacobian) {
+            *added = sum(slopes, &|error| error.filtered(pole));
+        }
     }
 
     fn collect(&mut self, sample: &Sample<M::Input, R>) -> Taken {
@@ -336,11 +360,7 @@ where
             let measured = believed[output];
             if measured.is_finite() && self.is_algebraic(output) {
                 let known = self.outputs.outputs[output];
-                let noise = self.settings.noise_std[output];
-                let std = match at(&self.from_states, output) {
-                    added if added.is_finite() && added > 0.0 => libm::sqrt(noise * noise + added),
-                    _ => noise,
-                };
+                let std = with_added(self.settings.noise_std[output], at(&self.added_to_outputs, output));
                 let mut row = Row { output, z: measured - known, w: [0.0; P], known, std };
                 row.w[..own].copy_from_slice(&self.outputs.parameter_jacobian[output][..own]);
                 if let Some(column) = columns.bias(output) {
@@ -354,7 +374,8 @@ where
             let Some(output) = self.output_of(state) else { continue };
             if before.is_finite() && believed[output].is_finite() && self.is_dynamic(state) {
                 let (z, w) = self.filters.of_state(state);
-                use_row(&Row { output, z, w, known: after - z, std: self.settings.noise_std[output] });
+                let std = with_added(self.settings.noise_std[output], at(&self.added_to_rates, state));
+                use_row(&Row { output, z, w, known: after - z, std });
             }
         }
     }

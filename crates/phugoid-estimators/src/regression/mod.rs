@@ -28,7 +28,7 @@ mod source;
 
 pub use equations::Regression;
 pub use rows::Row;
-pub use source::{MeasuredStates, SourceStep, StateSource};
+pub use source::{MeasuredStates, SourceStep, StateError, StateSource};
 
 pub(crate) use claim::Claim;
 pub(crate) use pole::{Complex, Weights};

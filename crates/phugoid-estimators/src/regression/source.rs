@@ -34,10 +34,31 @@ pub trait StateSource<I, const N: usize, const R: usize> {
     /// Takes the next frame and gives the state that holds at it.
     fn update(&mut self, step: &SourceStep<'_, I, N, R>) -> [f64; N];
 
-    /// Variances of the errors of the states that were given last, state units squared. What they make of an output is added
-    /// to the noise of its row. Zero, the usual answer, takes the states as right.
-    fn variances(&self) -> [f64; N] {
-        [0.0; N]
+    /// How wrong the states may be that were given last. What that makes of an output or of a rate is added to the noise of its
+    /// row. The usual answer takes the states as right.
+    fn errors(&self) -> [StateError; N] {
+        [StateError::NONE; N]
+    }
+}
+
+/// How wrong a state may be: a random error that is forgotten at a rate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StateError {
+    /// Variance, state unit squared; not negative.
+    pub variance: f64,
+    /// Rate at which the error is forgotten, 1/s: its correlation over the time `t` is `e^(-rate t)`. Two over the sample time
+    /// for the noise of a measurement, which is another one in each sample.
+    pub rate_per_s: f64,
+}
+
+impl StateError {
+    /// The state is right.
+    pub const NONE: Self = Self { variance: 0.0, rate_per_s: 0.0 };
+
+    /// Variance of the error behind a filter of one pole, `1/(s + pole)`, that has forgotten its start: state unit
+    /// squared times s^2.
+    pub(crate) fn filtered(&self, pole: f64) -> f64 {
+        self.variance / (pole * (pole + self.rate_per_s))
     }
 }
 

@@ -61,7 +61,7 @@ pub struct RegressionSettings {
 
 impl Default for RegressionSettings {
     fn default() -> Self {
-        Self { filter_rate: 4.0, forgetting_per_s: 0.0, outlier_limit: 6.0, reopens: false }
+        Self { filter_rate: 8.0, forgetting_per_s: 0.0, outlier_limit: 6.0, reopens: false }
     }
 }
 

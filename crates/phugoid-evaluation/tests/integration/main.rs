@@ -24,4 +24,5 @@ mod predicted_bound;
 mod recorders;
 mod second_aircraft;
 mod second_answer;
+mod smoothed_states;
 mod stack;

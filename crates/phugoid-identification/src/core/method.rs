@@ -103,6 +103,11 @@ impl Method {
         matches!(self, Self::EquationError | Self::EquationErrorFrequency)
     }
 
+    /// Whether it solves the equations of motion with smoothed states, one sample after the other, and has bounds.
+    pub fn is_recursive_regression(self) -> bool {
+        matches!(self, Self::Rls | Self::Fourier | Self::ImplicitSign)
+    }
+
     /// Whether it learns the noise levels of the outputs in flight; the others use those that are given or measured.
     pub fn learns_noise(self) -> bool {
         matches!(self, Self::Smpe | Self::Ekf)

@@ -52,8 +52,9 @@ pub(crate) fn reasons<M: Motion<N, R>, const N: usize, const R: usize>(
             _ => reason,
         }));
         found.extend(run.batch.iter().flat_map(|report| fit::reasons(task.method(), task.file, history, report)));
-        // Causal methods look for changes themselves.
-        found.extend(run.batch.as_ref().and(equations).and_then(constancy::reason));
+        // SMPE and the EKF look for changes themselves.
+        let is_constant = task.method().is_batch() || task.method().is_recursive_regression();
+        found.extend(equations.filter(|_| is_constant).and_then(constancy::reason));
         found.extend(disputed::reason(task.file, run));
         let method = task.method();
         let is_constant = |name: &str| task.file.estimated().any(|p| p.name == name && p.role.is_constant());

@@ -27,7 +27,7 @@ pub(crate) use predict::predict;
 pub use predict::{Predicted, PredictedParameter};
 pub(crate) use readiness::ColumnVerdict;
 pub(crate) use room::{EveryRoom, causal_run};
-pub(crate) use second::by_equations;
+pub(crate) use second::beside_causal;
 pub(crate) use stepper::CausalRun;
 pub(crate) use task::{ColumnRun, Disputed, ModelError, Run, RunChange, Task};
 

@@ -1,7 +1,7 @@
-//! A second answer: the same record by a method of another kind. Beside equation error stands a filter, beside a filter
-//! equation error.
+//! A second answer: the same record by a method of another kind. Beside equation error and the recursive regressions stands a
+//! filter, beside a filter equation error.
 //!
-//! Equation error takes the states as measured, and solves each equation by itself. A filter weighs the measured states
+//! Equation error and the regressions take the states as measured or smoothed, and solve each equation by itself. A filter weighs the measured states
 //! against the motion that all equations make together. A sensor that is late, a term that the model lacks, or gusts bend the
 //! two in different ways, and neither shows it in its own bounds.
 
@@ -36,18 +36,31 @@ pub(super) fn by_filter<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     Ok(SecondAnswer { method: FILTER, values: columns.filter_map(|(p, column)| other(p, column)).collect() })
 }
 
-/// The parameters of the task's record by equation error, from the samples since the last change of everything that stands in the
-/// run: what it says is about the same aircraft as the estimates at the end. Where constants alone have changed since (a trim
-/// shift), the flight is solved in parts between these times: derivatives are the means of the parts by their errors, as the filter
-/// takes them to be the same, and constants those of the last part. `None` where the equations give no answer, where only what a live
-/// session would have had is asked for, and of a method that is a regression itself or a law without a search for the best values.
-pub(crate) fn by_equations<M: EveryRoom<N, R>, const N: usize, const R: usize>(
+/// What stands beside the values of a causal method: equation error beside a filter, a filter beside a regression. `None` where
+/// that gives no answer, where only what a live session would have had is asked for, where nothing moved, and beside a law without
+/// bounds.
+pub(crate) fn beside_causal<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     task: &Task<M, N, R>,
     run: &Run<R>,
 ) -> Option<SecondAnswer> {
-    if task.options.causal_only || !task.method().learns_noise() || !run.excited {
+    if task.options.causal_only || !run.excited {
         return None;
     }
+    match task.method() {
+        method if method.learns_noise() => by_equations(task, run),
+        method if method.is_recursive_regression() => by_filter(task).ok(),
+        _ => None,
+    }
+}
+
+/// The parameters of the task's record by equation error, from the samples since the last change of everything that stands in the
+/// run: what it says is about the same aircraft as the estimates at the end. Where constants alone have changed since (a trim
+/// shift), the flight is solved in parts between these times: derivatives are the means of the parts by their errors, as the filter
+/// takes them to be the same, and constants those of the last part. `None` where the equations give no answer.
+fn by_equations<M: EveryRoom<N, R>, const N: usize, const R: usize>(
+    task: &Task<M, N, R>,
+    run: &Run<R>,
+) -> Option<SecondAnswer> {
     let prepared = task.prepared;
     let standing = || run.changes.iter().filter(|change| change.outcome.stands());
     let sample = |time_s: f64| prepared.time.partition_point(|t| *t < time_s);

@@ -15,7 +15,7 @@ use crate::judge::offer::{
 };
 pub use crate::judge::offer::{tried_by_the_method, with_offered};
 use crate::judge::summary::summarise;
-use crate::methods::{EveryRoom, HealthRun, Task, by_equations, run};
+use crate::methods::{EveryRoom, HealthRun, Task, beside_causal, run};
 use crate::model_file::ModelFile;
 use crate::models::lateral::LateralModel;
 use crate::models::longitudinal::LongitudinalModel;
@@ -235,7 +235,7 @@ fn once<'a, M: EveryRoom<N, R> + 'a, const N: usize, const R: usize>(
     let causal = run(&task, &mut |done| progress(first * done))?;
     let mut run = look_back(&task, causal, &mut |done| progress(first + (1.0 - first) * done))?;
     if !task.method().is_batch() {
-        run.second_answer = by_equations(&task, &run);
+        run.second_answer = beside_causal(&task, &run);
     }
     progress(1.0);
     let watched = run.health.take();
