@@ -43,8 +43,9 @@ impl<const P: usize> EkfSettings<P> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RegressionSettings {
     /// `w`, rad/s: corner of the filter that spares differentiating the states. A low corner lets less noise through;
-    /// with a high one errors of the regressors are forgotten sooner. The rule is 4 rad/s (between 3 and 6 the F-16's
-    /// moment derivatives change by 15 %).
+    /// with a high one errors of the regressors are forgotten sooner. The rule is 8 rad/s: with 4
+    /// the slow errors of angle of attack and speed, and what the model lacks, outweigh the manoeuvres of light aircraft
+    /// (docs/field.md), and the errors of the F-16's moment derivatives are 8 % larger; with 12 bounds are half as wide again.
     pub filter_rate: f64,
     /// `lambda`, 1/s: information older than `1/lambda` fades. Zero, the rule, for constant parameters.
     pub forgetting_per_s: f64,
@@ -52,10 +53,9 @@ pub struct RegressionSettings {
     /// rule is 6; infinite for no such test.
     pub outlier_limit: f64,
     /// Whether that test allows for what the parameters do not know yet of the motion over one interval, and uses a
-    /// channel that it has refused for a quarter of a second until its prediction fits again. Without it (the rule, with
-    /// which the laws beside least squares are compared) a channel is used once in a quarter of a second where the first
-    /// parameters predict too little: on a stabilised fighter for up to 29 s (docs/field.md). [`rls`](crate::rls) of the
-    /// pipeline has it.
+    /// channel that it has refused for a quarter of a second until its prediction fits again. Without it (the rule) a
+    /// channel is used once in a quarter of a second where the first parameters predict too little: on a stabilised fighter
+    /// for up to 29 s (docs/field.md). The methods of the pipeline have it.
     pub reopens: bool,
 }
 

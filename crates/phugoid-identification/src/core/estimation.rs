@@ -369,8 +369,8 @@ pub struct Estimation {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub batch: Option<BatchReport>,
     /// The parameters by another method from the same samples: another answer to the same question. `None` where that gives
-    /// none, with [`EstimateOptions::causal_only`](super::options::EstimateOptions::causal_only), and of methods without one: RLS, Fourier
-    /// regression and the reaching laws.
+    /// none, with [`EstimateOptions::causal_only`](super::options::EstimateOptions::causal_only), and of the laws
+    /// without bounds.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub second_answer: Option<SecondAnswer>,
 }

@@ -150,7 +150,7 @@ pub struct EstimateOptions {
     /// Whether the result is what a live session would have had. Otherwise SMPE and the EKF, with a model in absolute form, look at
     /// the whole record again for changes that were not found in flight ([`ChangeOutcome::FoundAfterwards`](super::estimation::ChangeOutcome::FoundAfterwards)),
     /// and equation error stands beside both ([`Estimation::second_answer`](super::estimation::Estimation::second_answer)); that takes
-    /// one to four times as long as the filter.
+    /// one to four times as long as the filter. Beside RLS, the Fourier regression and the implicit sign stands SMPE.
     pub causal_only: bool,
     /// True values by parameter name, where the flight was simulated.
     pub truth: BTreeMap<String, f64>,

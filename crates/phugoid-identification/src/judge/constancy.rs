@@ -1,6 +1,6 @@
 //! Whether the terms of a model are the same before and after some time of the flight.
 //!
-//! A batch method has one value for the whole flight. Where the aircraft changes in between, that value is a mean of two
+//! A batch method, and a recursive regression at its end, has one value for the whole flight. Where the aircraft changes in between, that value is a mean of two
 //! aircraft, and its residuals look much like those of turbulence. So the equations of motion are solved for the time
 //! before and after each moment anew, and the two are compared (G. C. Chow, *Tests of Equality Between Sets of Coefficients
 //! in Two Linear Regressions*, Econometrica 28, 1960; the time of the change is searched for, as in D. W. K. Andrews, *Tests

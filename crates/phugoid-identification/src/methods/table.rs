@@ -93,11 +93,7 @@ pub(super) fn set_up<M: MotionModel<N, R, P>, const N: usize, const R: usize, co
     let estimator = match method {
         Method::Smpe => return set_up_smpe(model, settings),
         Method::Ekf => place(|| ConsideringEkf::<M, N, R, P, ROOM_FOR_CONSTANTS>::new(model, *settings)),
-        Method::Rls => {
-            let regression = RegressionSettings { reopens: true, ..settings.regression };
-            let settings = EstimatorSettings { regression, ..*settings };
-            place(|| Ok(RecursiveLeastSquares::new(rows(model, &settings, gravity)?)))
-        }
+        Method::Rls => place(|| Ok(RecursiveLeastSquares::new(rows(model, settings, gravity)?))),
         Method::Fourier => place(|| FourierRegression::new(rows(model, settings, gravity)?)),
         Method::ModelReference | Method::ImplicitSign | Method::SuperTwisting => {
             return Err(EstimateError::Model(format!("{method} is compiled for the largest number of columns alone")));
@@ -126,13 +122,15 @@ pub(super) fn set_up_smpe<M: MotionModel<N, R, P>, const N: usize, const R: usiz
 
 type Rows<M, const N: usize, const R: usize, const P: usize> = Regression<M, KinematicFrontEnd<M, N, R>, N, R, P>;
 
-/// The rows of the regression methods, from states that kinematics smooth.
+/// The rows of the regression methods, from states that kinematics smooth. Their gate opens again where it locks an output out.
 fn rows<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize>(
     model: M,
     settings: &EstimatorSettings<N, R, P>,
     gravity: f64,
 ) -> Result<Rows<M, N, R, P>, SettingsError> {
-    Regression::new(model, KinematicFrontEnd::<M, N, R>::new(gravity, settings), *settings)
+    let regression = RegressionSettings { reopens: true, ..settings.regression };
+    let settings = EstimatorSettings { regression, ..*settings };
+    Regression::new(model, KinematicFrontEnd::<M, N, R>::new(gravity, &settings), settings)
 }
 
 /// Stack of the thread in which an estimator is made, bytes. The largest, six axes with room for 48 parameters and their
