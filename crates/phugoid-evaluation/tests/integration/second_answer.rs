@@ -64,12 +64,16 @@ fn a_filter_that_is_wrong_is_in_doubt_by_equation_error() {
     assert!((other.value - CL_ELEVATOR).abs() < 2.0 * other.std_error, "{} +- {}", other.value, other.std_error);
 }
 
-/// What equation error says stands in the result, whether it agrees or not; a regression has nothing beside it.
+/// What equation error says stands in the result, whether it agrees or not; beside a regression stands a filter, and beside a law
+/// without bounds nothing.
 #[test]
 fn only_filters_have_equation_error_beside_them() {
     assert_eq!(by(Method::EquationError).second_answer.unwrap().method, Method::Smpe);
     assert_eq!(by(Method::Smpe).second_answer.unwrap().method, Method::EquationError);
-    assert_eq!(by(Method::Rls).second_answer, None);
+    for regression in [Method::Rls, Method::Fourier] {
+        assert_eq!(by(regression).second_answer.unwrap().method, Method::Smpe);
+    }
+    assert_eq!(by(Method::ModelReference).second_answer, None);
     // Nor has what a live session would have had.
     assert_eq!(with(EstimateOptions::causal()).second_answer, None);
 }
