@@ -45,6 +45,9 @@ fn advice(first: Method, second: Method) -> &'static str {
         "a filter that met values far from those of its start, a missing term, gusts or a sensor that is late bend them in \
          different ways. Use the values of equation-error or output-error where they give no reason to doubt, or start the \
          filter from them (`start` in the model file); look for delays with `phugoid compatibility`."
+    } else if first.is_recursive_regression() {
+        "the regression weighs slow errors, of its smoothed states and of the model, more than a filter does. Use the values \
+         of smpe or equation-error where they give no reason to doubt."
     } else {
         "a sensor that is late, above all the vane of the angle of attack, a missing term or gusts bend them in different \
          ways, and either of the two may be the wrong one. Look for delays with `phugoid compatibility` and for terms that the \
@@ -262,6 +265,16 @@ mod tests {
         );
         // It is no advice to take the values that are in doubt.
         assert!(reason.sentence.contains("late") && !reason.sentence.contains("use the values of equation-error"));
+        assert!(by_filter(1.22).is_none());
+    }
+
+    #[test]
+    fn a_recursive_regression_is_held_against_the_filter_too() {
+        let by_filter = |value| said(Method::Rls, found(0.03, 0.0, false), (Method::Smpe, value, 0.04));
+        let reason = by_filter(1.24).expect("4.8 errors apart");
+        assert!(
+            reason.sentence.ends_with("Use the values of smpe or equation-error where they give no reason to doubt.")
+        );
         assert!(by_filter(1.22).is_none());
     }
 }
