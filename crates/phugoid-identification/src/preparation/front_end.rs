@@ -14,12 +14,12 @@
 //! state (variance per second) and `h` the sample time: 0.3, 1 and 2 rad/s for V, alpha and theta of the F-16 in calm
 //! air, and some 30 rad/s in light turbulence, where the vane feels gusts that no accelerometer predicts.
 //!
-//! Where the process noise is fixed, that rule holds. Where it may adapt, nobody has said how rough the air is, and
-//! [`CANDIDATES`] filters of corners a factor [`RATIO`] apart, from that of calm air upwards, run beside each other. One
-//! counts by how well it predicts the next measurement: with `m` the mean square of its prediction errors over the last
-//! [`MEMORY_S`], its weight is `m^(-n/2)`, the likelihood of `n` independent errors of unknown size. The state is the
-//! weighted mean. A corner that is too low follows gusts too late; one that is too high hands on the noise of the vane, and
-//! noise in regressors makes derivatives too small.
+//! Where the process noise is fixed, that rule holds. Where it may adapt, nobody has said how rough the air is, and up to
+//! eight filters of corners a factor of three apart, from that of calm air upwards, run beside each other. One counts by
+//! how well it predicts the next measurement: with `m` the mean square of its prediction errors over the last 20 s, its
+//! weight is `m^(-n/2)`, the likelihood of `n` independent errors of unknown size. The state is the weighted mean. A corner
+//! that is too low follows gusts too late; one that is too high hands on the noise of the vane, and noise in regressors makes
+//! derivatives too small.
 //!
 //! Angular rates stay as measured: only the unknown moments could smooth them.
 
@@ -53,10 +53,15 @@ struct Filters {
     corners: [f64; CANDIDATES],
     /// How many of them there are.
     count: usize,
+    /// Gain of each over an interval of `interval_s`.
+    gains: [f64; CANDIDATES],
+    interval_s: f64,
     /// The state according to each, state unit.
     states: [f64; CANDIDATES],
     /// Mean square of the prediction errors of each, state unit squared.
     squares: [f64; CANDIDATES],
+    /// Likelihood of the prediction errors of each, as a part of the sum of all.
+    weights: [f64; CANDIDATES],
     /// Measurements since the start of the states.
     taken: f64,
     /// Measurements since the first start, as the memory counts them.
@@ -67,8 +72,11 @@ impl Filters {
     const NONE: Self = Self {
         corners: [0.0; CANDIDATES],
         count: 1,
+        gains: [0.0; CANDIDATES],
+        interval_s: 0.0,
         states: [0.0; CANDIDATES],
         squares: [0.0; CANDIDATES],
+        weights: [1.0; CANDIDATES],
         taken: 0.0,
         remembered: 0.0,
     };
@@ -76,64 +84,79 @@ impl Filters {
     /// One filter of a corner, rad/s, or from that corner up to the fastest that is of use at the sample time `h`, s.
     fn set(&mut self, corner: f64, adapts: bool, h: f64) {
         self.corners = std::array::from_fn(|i| corner * RATIO.powi(i as i32));
-        let of_use = |corner: &&f64| 1.0 - (-**corner * h).exp() < HIGHEST_GAIN;
-        self.count = if adapts && corner > 0.0 { self.corners.iter().filter(of_use).count().max(1) } else { 1 };
+        self.set_gains(h);
+        let of_use = self.gains.iter().filter(|gain| **gain < HIGHEST_GAIN).count().max(1);
+        self.count = if adapts && corner > 0.0 { of_use } else { 1 };
+        self.weigh();
+    }
+
+    fn set_gains(&mut self, h: f64) {
+        self.gains = self.corners.map(|corner| 1.0 - (-corner * h).exp());
+        self.interval_s = h;
     }
 
     fn start(&mut self, state: f64) {
         (self.states, self.taken) = ([state; CANDIDATES], 0.0);
     }
 
-    /// Moves all by what was integrated, and draws them towards a measurement, if there is one; gives their weighted mean.
+    /// Moves all by what was integrated over `h` s, and draws them towards a measurement, if there is one; gives their
+    /// weighted mean.
     fn advance(&mut self, integrated: f64, measured: f64, h: f64) -> f64 {
         self.states.iter_mut().for_each(|state| *state += integrated);
         if measured.is_finite() && self.corners[0] > 0.0 {
+            // Sampling times carry rounding.
+            if (h - self.interval_s).abs() > 1e-9 * h {
+                self.set_gains(h);
+            }
             self.taken += 1.0;
             self.remembered = (self.remembered + 1.0).min(MEMORY_S / h);
-            for ((corner, state), square) in self.corners.iter().zip(&mut self.states).zip(&mut self.squares) {
-                let error = measured - *state;
-                // The first errors are those of the start, and the same for all.
+            for i in 0..self.count {
+                let (error, square) = (measured - self.states[i], &mut self.squares[i]);
+                // The first error is that of the start, and the same for all.
                 if self.taken > 1.0 {
                     let largest = if *square > 0.0 { LARGEST_SQUARE * *square } else { f64::INFINITY };
                     *square += ((error * error).min(largest) - *square) / self.remembered;
                 }
-                *state += (1.0 / self.taken).max(1.0 - (-corner * h).exp()) * error;
+                self.states[i] += self.gain(i) * error;
             }
+            self.weigh();
         }
-        if self.count == 1 { self.states[0] } else { self.mean() }
+        self.weighted(|i| self.states[i])
     }
 
-    /// The states, weighted by the likelihood of their prediction errors.
-    fn mean(&self) -> f64 {
-        self.weighted(|i| self.states[i])
+    /// Gain of a filter at its last measurement: the mean of all at first.
+    fn gain(&self, i: usize) -> f64 {
+        (1.0 / self.taken.max(1.0)).max(self.gains[i])
     }
 
     /// How wrong the state may be: the variance `K R` of a stationary filter with the gain `K` for a measurement of the noise
     /// variance `R`, which is `noise`, or `1 - K` of the mean square where that is learnt; forgotten as fast as the filter does.
-    fn error(&self, noise: f64, h: f64) -> StateError {
-        let gain = |i: usize| (1.0 / self.taken.max(1.0)).max(1.0 - (-self.corners[i] * h).exp());
-        if self.count == 1 {
-            return StateError { variance: gain(0) * noise, rate_per_s: gain(0) / h };
-        }
+    fn error(&self, noise: f64) -> StateError {
+        let of_measurement = |i: usize| if self.count == 1 { noise } else { (1.0 - self.gain(i)) * self.squares[i] };
         StateError {
-            variance: self.weighted(|i| gain(i) * (1.0 - gain(i)) * self.squares[i]),
-            rate_per_s: self.weighted(gain) / h,
+            variance: self.weighted(|i| self.gain(i) * of_measurement(i)),
+            rate_per_s: self.weighted(|i| self.gain(i)) / self.interval_s,
         }
     }
 
-    /// A value of each filter, weighted by the likelihood of their prediction errors.
-    fn weighted(&self, value: impl Fn(usize) -> f64) -> f64 {
-        let likelihood: [f64; CANDIDATES] =
-            std::array::from_fn(|i| -0.5 * self.remembered * self.squares[i].max(f64::MIN_POSITIVE).ln());
-        let of_use = &likelihood[..self.count.min(CANDIDATES)];
-        let most = of_use.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let (mut sum, mut weights) = (0.0, 0.0);
-        for (i, likelihood) in of_use.iter().enumerate() {
-            let weight = (likelihood - most).exp();
-            sum += weight * value(i);
-            weights += weight;
+    /// Weighs the filters by the likelihood of their prediction errors.
+    fn weigh(&mut self) {
+        if self.count == 1 {
+            return;
         }
-        sum / weights
+        let (squares, weights) = (&self.squares[..self.count], &mut self.weights[..self.count]);
+        for (weight, square) in weights.iter_mut().zip(squares) {
+            *weight = -0.5 * self.remembered * square.max(f64::MIN_POSITIVE).ln();
+        }
+        let most = weights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        weights.iter_mut().for_each(|weight| *weight = (*weight - most).exp());
+        let sum: f64 = weights.iter().sum();
+        weights.iter_mut().for_each(|weight| *weight /= sum);
+    }
+
+    /// The mean of a value of each filter by their weights.
+    fn weighted(&self, value: impl Fn(usize) -> f64) -> f64 {
+        if self.count == 1 { value(0) } else { (0..self.count).map(|i| self.weights[i] * value(i)).sum() }
     }
 }
 
@@ -289,7 +312,7 @@ impl<M: Motion<N, R>, const N: usize, const R: usize> StateSource<M::KnownInput,
             };
             let noise = self.noise[channel.index()].powi(2);
             match INTEGRATED.iter().position(|state| state == channel) {
-                Some(i) if self.filters[i].corners[0] > 0.0 => self.filters[i].error(noise, h),
+                Some(i) if self.filters[i].corners[0] > 0.0 => self.filters[i].error(noise),
                 None if noise.is_finite() => StateError { variance: noise, rate_per_s: 2.0 / h },
                 _ => StateError::NONE,
             }
@@ -334,7 +357,7 @@ mod tests {
             let found = filters.advance(integrated, state + NOISE * random.next(), H);
             if k >= 1000 {
                 sums[0] += (found - state).powi(2) / 2000.0;
-                sums[1] += filters.error(NOISE * NOISE, H).variance / 2000.0;
+                sums[1] += filters.error(NOISE * NOISE).variance / 2000.0;
             }
         }
         sums.map(f64::sqrt)
