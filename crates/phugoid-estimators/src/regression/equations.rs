@@ -233,6 +233,7 @@ where
     fn allow_for_errors_of_states(&mut self, theta: &[f64; P], input: &M::Input) {
         let errors = self.source.errors();
         if errors.iter().all(|error| error.variance <= 0.0) {
+            (self.added_to_outputs, self.added_to_rates) = ([0.0; R], [0.0; N]);
             return;
         }
         let pole = self.settings.regression.filter_rate;

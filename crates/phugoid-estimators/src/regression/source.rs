@@ -89,3 +89,25 @@ impl<I, const N: usize, const R: usize> StateSource<I, N, R> for MeasuredStates<
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::StateError;
+
+    /// The variance of a filtered error, by the equations of its second moments: `(x^2)' = -2 r x^2 + 2 r v` for the error,
+    /// `(xy)' = -(r + p) xy + x^2` and `(y^2)' = -2 p y^2 + 2 xy` for the filter.
+    #[test]
+    fn a_filtered_error_has_the_variance_of_its_moments() {
+        for (variance, rate_per_s, pole) in [(4.0, 0.9, 8.0), (0.25, 100.0, 4.0), (1.0, 8.0, 8.0)] {
+            let h = 1e-4;
+            let [mut xy, mut yy] = [0.0; 2];
+            for _ in 0..100_000 {
+                let rates = [variance - (rate_per_s + pole) * xy, 2.0 * xy - 2.0 * pole * yy];
+                xy += h * rates[0];
+                yy += h * rates[1];
+            }
+            let found = StateError { variance, rate_per_s }.filtered(pole);
+            assert!((found / yy - 1.0).abs() < 1e-9, "{found} {yy}");
+        }
+    }
+}
