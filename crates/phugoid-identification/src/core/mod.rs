@@ -10,6 +10,8 @@ pub mod method;
 pub(crate) mod number;
 pub mod options;
 pub mod output;
+#[cfg(test)]
+pub(crate) mod random;
 pub(crate) mod scaling;
 pub(crate) mod soundness;
 pub mod stack;

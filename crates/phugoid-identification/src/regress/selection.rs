@@ -367,22 +367,9 @@ fn smallest(steps: &[Step], measure: impl Fn(&Step) -> f64) -> Option<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::core::random::Normal;
 
     const ROWS_OF_FLIGHT: usize = 600;
-
-    /// Normal numbers, the same everywhere.
-    struct Normal(u64);
-
-    impl Normal {
-        fn next(&mut self) -> f64 {
-            let mut sum = -6.0;
-            for _ in 0..12 {
-                self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-                sum += (self.0 >> 11) as f64 / (1_u64 << 53) as f64;
-            }
-            sum
-        }
-    }
 
     /// Candidates of an elevator multisine: alpha, q, elevator and their products, with |elevator| and one that is nearly
     /// alpha; the last one stands still.

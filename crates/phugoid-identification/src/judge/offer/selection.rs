@@ -549,22 +549,9 @@ fn correlation_of_noise(regression: &Regression, equation: &Columns, fit: &Fit) 
 mod tests {
     use super::*;
     use crate::batch::APART;
+    use crate::core::random::Normal;
 
     const SAMPLES: usize = 1200;
-
-    /// Normal numbers, the same everywhere.
-    struct Normal(u64);
-
-    impl Normal {
-        fn next(&mut self) -> f64 {
-            let mut sum = -6.0;
-            for _ in 0..12 {
-                self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-                sum += (self.0 >> 11) as f64 / (1_u64 << 53) as f64;
-            }
-            sum
-        }
-    }
 
     /// One equation `left = 2 x + missing * term + noise` with a constant and x in the model and three candidates: x^2,
     /// |x| and y, another signal; `keep` correlates the noise from row to row. The copies have noise of the same level
