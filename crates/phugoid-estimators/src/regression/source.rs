@@ -35,7 +35,7 @@ pub trait StateSource<I, const N: usize, const R: usize> {
     fn update(&mut self, step: &SourceStep<'_, I, N, R>) -> [f64; N];
 
     /// How wrong the states may be that were given last. What that makes of an output or of a rate is added to the noise of its
-    /// row. The usual answer takes the states as right.
+    /// row; a variance that is no number adds nothing. The usual answer takes the states as right.
     fn errors(&self) -> [StateError; N] {
         [StateError::NONE; N]
     }

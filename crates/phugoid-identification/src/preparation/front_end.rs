@@ -129,10 +129,12 @@ impl Filters {
         (1.0 / self.taken.max(1.0)).max(self.gains[i])
     }
 
-    /// How wrong the state may be: the variance `K R` of a stationary filter with the gain `K` for a measurement of the noise
-    /// variance `R`, which is `noise`, or `1 - K` of the mean square where that is learnt; forgotten as fast as the filter does.
+    /// How wrong the state may be: the variance `K R` of a filter with the gain `K` for a measurement of the noise variance `R`;
+    /// forgotten as fast as the filter does. `R` is `noise`, or `1 - K` of the mean square, `K` that of the stationary filter,
+    /// where that is learnt; until there is a mean square it is `noise` too.
     fn error(&self, noise: f64) -> StateError {
-        let of_measurement = |i: usize| if self.count == 1 { noise } else { (1.0 - self.gain(i)) * self.squares[i] };
+        let is_learnt = |i: usize| self.count > 1 && self.squares[i] > 0.0;
+        let of_measurement = |i: usize| if is_learnt(i) { (1.0 - self.gains[i]) * self.squares[i] } else { noise };
         StateError {
             variance: self.weighted(|i| self.gain(i) * of_measurement(i)),
             rate_per_s: self.weighted(|i| self.gain(i)) / self.interval_s,
@@ -323,22 +325,7 @@ impl<M: Motion<N, R>, const N: usize, const R: usize> StateSource<M::KnownInput,
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// Numbers of the normal distribution with one sigma of 1, from a fixed seed.
-    struct Normal(u64);
-
-    impl Normal {
-        fn next(&mut self) -> f64 {
-            // Twelve uniform numbers less six: one sigma of 1, and tails that decide nothing here.
-            (0..12).map(|_| self.uniform()).sum::<f64>() - 6.0
-        }
-
-        /// A linear congruential generator (Knuth, MMIX).
-        fn uniform(&mut self) -> f64 {
-            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (self.0 >> 11) as f64 / (1_u64 << 53) as f64
-        }
-    }
+    use crate::core::random::Normal;
 
     /// Sample time, s, and one sigma of the measurement.
     const H: f64 = 0.02;
@@ -376,6 +363,22 @@ mod tests {
         // The corner of calm air alone follows such gusts too late, and says nothing of it.
         let [error, claimed] = errors(false, 0.8, 1.5 * NOISE / H.sqrt());
         assert!(error > 5.0 * claimed, "{error} {claimed}");
+    }
+
+    /// At the start the state is one measurement, and after a gap it is again, whatever has been learnt of the filters.
+    #[test]
+    fn a_state_that_rests_on_one_measurement_is_as_wrong_as_that() {
+        let (mut filters, mut random) = (Filters::NONE, Normal(7));
+        filters.set(0.8, true, H);
+        for _ in 0..2 {
+            filters.start(0.0);
+            for k in 0..500 {
+                filters.advance(0.0, NOISE * random.next(), H);
+                let claimed = filters.error(NOISE * NOISE).variance.sqrt() / NOISE;
+                assert!(k > 0 || (0.8..1.2).contains(&claimed), "{claimed}");
+                assert!(k < 400 || (0.05..0.2).contains(&claimed), "{claimed}");
+            }
+        }
     }
 
     #[test]
