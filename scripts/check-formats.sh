@@ -1,8 +1,7 @@
 #!/bin/sh
-# Checks what is off by default: the readers of Parquet, Arrow and MCAP with their tests, and all round trips. Built without
-# optimisation, for their libraries take minutes to optimise.
+# Checks what is off by default: the readers of workbooks, Parquet, Arrow and MCAP with their tests, and all round trips.
 set -eu
 cd "$(dirname "$0")/.."
 
-cargo test --quiet --locked --profile quick -p phugoid-flight-data --features excel,gzip,matlab,mcap,parquet
+scripts/optional.py test phugoid-flight-data
 scripts/round-trips.sh

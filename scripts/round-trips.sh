@@ -26,8 +26,6 @@ round_trip() {
 cargo build --quiet --locked --release --workspace --examples
 round_trip release ulog dataflash mavlink tlog jsbsim
 
-features=phugoid-flight-data/matlab,phugoid-flight-data/mcap,phugoid-identification/excel,phugoid-identification/parquet
-cargo build --quiet --locked --profile quick -p phugoid-flight-data -p phugoid-identification --features "$features" \
-    --example dump_log --example read_table --example export_estimates --example export_workbook
+scripts/optional.py examples dump_log read_table export_estimates export_workbook
 round_trip quick tables mcap
 echo "round trips: all the same"
