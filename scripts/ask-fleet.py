@@ -42,7 +42,7 @@ def main() -> int:
     assert steepest[0] == "2" and steepest[2] < 0, steepest
     assert of_study[9], "the campaign is not scored"
     # The table of columns in the document is the schema.
-    table = text.split("### Estimates, schema 1")[1].split("### Logs")[0]
+    table = text.split("### Estimates, schema 2")[1].split("### Logs")[0]
     named = [name.strip() for row in re.findall(r"^\| ([a-z0-9_, .]+) \|", table, re.MULTILINE) for name in row.split(",")]
     named = [name for name in named if name not in ("column", "...", "")]
     found = [row[0] for row in duckdb.sql(f"DESCRIBE FROM read_parquet('{fleet}/estimates/**/*.parquet', hive_partitioning = false)").fetchall()]

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""Shows that a fleet on a local Ray is the fleet of this machine: with any number of workers, with workers and with the program
-killed (SIGKILL) at random moments of a fixed seed, no row lost and none twice; and what Ray costs.
+"""Shows that a fleet on a local Ray is the fleet of this machine: with any number of workers, with workers, with whole nodes and
+with the program killed (SIGKILL) at random moments of a fixed seed, with nodes added meanwhile, no row lost and none twice; and what
+Ray costs.
 
     target/python/bin/python scripts/check-ray.py [LOGS] [KILLS] [SECONDS_OF_A_LOG]
 
@@ -17,6 +18,7 @@ import statistics
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 from pathlib import Path
 
@@ -107,6 +109,41 @@ def program_killed(logs: Path, store: Path, kills: int, files: int, chance: rand
             return killed
 
 
+def nodes_changed(logs: Path, store: Path, kills: int, chance: random.Random) -> int:
+    """Runs on a cluster of two nodes of one processor each. At random moments a node is added and another one is killed; how often
+    that happened. The program is on a node of its own, which has no processor for tasks."""
+    import ray
+    from ray.cluster_utils import Cluster
+
+    cluster = Cluster(initialize_head=True, head_node_args={"num_cpus": 0, "include_dashboard": False})
+    nodes = [cluster.add_node(num_cpus=1) for _ in range(2)]
+    ray.init(address=cluster.address, log_to_driver=False)
+    failures: list[BaseException] = []
+
+    def estimate() -> None:
+        try:
+            phugoid.fleet(str(logs), MODEL, store, engine="ray", workers=2)
+        except BaseException as failure:
+            failures.append(failure)
+
+    # Nodes can be added by the main thread alone.
+    estimating, changes = threading.Thread(target=estimate), 0
+    estimating.start()
+    while estimating.is_alive() and changes < kills:
+        time.sleep(chance.uniform(0.5, 3.0))
+        nodes.append(cluster.add_node(num_cpus=1))
+        time.sleep(chance.uniform(0.5, 3.0))
+        if estimating.is_alive():
+            cluster.remove_node(nodes.pop(chance.randrange(2)), allow_graceful=False)
+            changes += 1
+    estimating.join()
+    ray.shutdown()
+    cluster.shutdown()
+    if failures:
+        raise failures[0]
+    return changes
+
+
 def write_logs(folder: Path, count: int, seconds: int) -> None:
     """Flights of the HFB-320 with another noise each."""
     scenario = folder.parent / "flight.toml"
@@ -146,6 +183,10 @@ def main() -> None:
     same(folder / "whole", expected, f"a program of its own, {lasts:.1f} s with the start of Ray")
     killed = workers_killed(logs, folder / "workers", kills, chance)
     same(folder / "workers", expected, f"{killed} workers killed at work")
+    changes = nodes_changed(logs, folder / "nodes", kills, chance)
+    if changes == 0:
+        sys.exit("no node was killed before the work was done: take more logs")
+    same(folder / "nodes", expected, f"{changes} times a node added and another one killed")
     killed = program_killed(logs, folder / "program", kills, len(expected), chance)
     if killed == 0:
         sys.exit("the program was never killed: take more logs")

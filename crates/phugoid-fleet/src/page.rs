@@ -41,13 +41,14 @@ pub fn html(findings: &Findings) -> String {
         let _ = writeln!(page, "<p><b>Note.</b> {}</p>", escaped(note));
     }
     unused(&mut page, findings);
+    causes(&mut page, findings);
     let mut numbers = BTreeMap::new();
     for point in findings.airframes.iter().flat_map(|a| &a.courses).flat_map(|course| &course.points) {
         let next = numbers.len() + 1;
         numbers.entry(point.log_sha256.as_str()).or_insert(next);
     }
     page.push_str(
-        "<div class=\"wide\"><table><thead><tr><th class=\"w\">airframe</th><th class=\"w\">parameter</th><th>mean</th><th>+- 2 sigma</th>\
+        "<h2>Courses</h2>\n<div class=\"wide\"><table><thead><tr><th class=\"w\">airframe</th><th class=\"w\">parameter</th><th>mean</th><th>+- 2 sigma</th>\
          <th>estimates</th><th class=\"w\">course</th><th class=\"w\">what</th><th>rate of false ones</th><th>from the others, sigmas</th>\
          <th>flights that disagree</th></tr></thead><tbody>\n",
     );
@@ -93,7 +94,42 @@ fn unused(page: &mut String, findings: &Findings) {
             escaped(&own.words())
         );
     }
-    page.push_str("</tbody></table></div>\n<h2>Courses</h2>\n");
+    page.push_str("</tbody></table></div>\n");
+}
+
+/// What explains the drifts and steps of an airframe together.
+fn causes(page: &mut String, findings: &Findings) {
+    let unit = if findings.over == Over::Hours { "hour" } else { "flight" };
+    let with: Vec<_> = findings.airframes.iter().filter_map(|a| Some((&a.name, a.together.as_ref()?))).collect();
+    if with.is_empty() {
+        return;
+    }
+    page.push_str(
+        "<h2>What explains the drifts and steps of an airframe together</h2>\n<div class=\"wide\"><table><thead><tr><th class=\"w\">airframe</th>\
+         <th class=\"w\">what</th><th class=\"w\">explained by, +- 2 sigma</th><th>p</th></tr></thead><tbody>\n",
+    );
+    for (airframe, together) in with {
+        let (what, per) = match together.at {
+            Some(at) => (format!("step at {unit} {}", short(at)), String::new()),
+            None => ("drift".to_owned(), format!(" per {unit}")),
+        };
+        let mut line = |by: &str, p: f64| {
+            let _ = writeln!(
+                page,
+                "<tr class=\"found\"><td class=\"w\">{}</td><td class=\"w\">{what}</td><td class=\"w\">{}</td>{}</tr>",
+                escaped(airframe),
+                escaped(by),
+                number(p)
+            );
+        };
+        for explanation in &together.explanations {
+            line(&format!("{}{per}", explanation.words()), explanation.p_value);
+        }
+        if together.explanations.is_empty() {
+            line(&format!("no single cause explains what its {} parameters do", together.parameters), f64::NAN);
+        }
+    }
+    page.push_str("</tbody></table></div>\n");
 }
 
 fn row(page: &mut String, airframe: &str, course: &Course, over: Over, numbers: &BTreeMap<&str, usize>) {

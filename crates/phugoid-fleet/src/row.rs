@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 /// Version of the schema of [`Row`] and [`LogRow`](crate::logs::LogRow). It is part of every key, so that rows of two
 /// schemas never stand under one key, and it changes whenever a column changes its name, type or meaning.
-pub const SCHEMA: u32 = 1;
+pub const SCHEMA: u32 = 2;
 
 /// The file by which the folder of a store is known; it holds the number of the schema.
 pub(crate) const STORE_MARK: &str = "phugoid-fleet-store.txt";
@@ -79,8 +79,8 @@ pub struct Row {
     pub nuisance: Option<bool>,
     /// First time from which on the estimate stays near its end, s.
     pub converged_at_s: Option<f64>,
-    /// The part of `systematic_std` that each declared quantity makes, one sigma in `unit`, in the order of
-    /// [`UncertainQuantity::ALL`].
+    /// What a positive error of each declared quantity of one sigma does to the estimate, in `unit`, in the order of
+    /// [`UncertainQuantity::ALL`]: the parts of `systematic_std`, with their signs.
     pub budget: [Option<f64>; QUANTITIES],
     /// Of a campaign: name of the scenario.
     pub scenario: Option<String>,
@@ -182,7 +182,7 @@ impl Row {
         let mut budget = [None; QUANTITIES];
         for part in &p.systematic_parts {
             if let Some(place) = UncertainQuantity::ALL.iter().position(|quantity| *quantity == part.quantity) {
-                budget[place] = finite(p.systematic_std * part.share.sqrt());
+                budget[place] = finite(part.effect);
             }
         }
         let over_sigma = p.truth.map(|truth| (p.value - truth) / p.corrected_std_error).and_then(finite);

@@ -25,6 +25,23 @@ pub struct SimulatedFleet {
     pub manoeuvres: u32,
     /// What changes from flight to flight; nothing where it is empty.
     pub drifts: Vec<Drift>,
+    /// Sensors that are exchanged for others; none where it is empty.
+    pub exchanges: Vec<Exchange>,
+}
+
+/// A sensor of one airframe that is exchanged for another one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Exchange {
+    /// The airframe, counted from 0.
+    pub airframe: usize,
+    /// The first flight with the other sensor, counted from 0.
+    pub flight: usize,
+    /// The channel, `alpha`.
+    pub channel: String,
+    /// How much more than the former one the other one shows, as a part of what it measures.
+    pub scale: f64,
+    /// The same of its zero, in the SI unit of the channel: of an angle in radians.
+    pub zero: f64,
 }
 
 /// A parameter of one airframe that changes with each of its flights.
@@ -59,6 +76,12 @@ pub enum SimulatedError {
         /// The name that was given.
         name: String,
     },
+    /// Its flights have no channel of this name.
+    #[error("the flights of the simulated fleet have no channel `{name}`")]
+    NoChannel {
+        /// The name that was given.
+        name: String,
+    },
 }
 
 /// The first lines and the manoeuvres of a scenario stand before this.
@@ -84,7 +107,7 @@ impl SimulatedFleet {
     /// ```
     /// use phugoid_fleet::simulated::{Drift, SimulatedFleet};
     /// let drifts = vec![Drift { airframe: 1, parameter: "Cm_alpha".to_owned(), part_per_flight: 0.01 / 50.0 }];
-    /// let fleet = SimulatedFleet { seed: 1, sensor_scale: 0.015, sample_rate_hz: 25.0, manoeuvres: 1, drifts };
+    /// let fleet = SimulatedFleet { seed: 1, sensor_scale: 0.015, sample_rate_hz: 25.0, manoeuvres: 1, drifts, exchanges: Vec::new() };
     /// let record = fleet.record(1, 30)?;
     /// assert_eq!(record.len(), 351); // 14 s at 25 Hz
     /// assert_eq!(record, fleet.record(1, 30)?);
@@ -109,6 +132,11 @@ impl SimulatedFleet {
             if let Some(channel) = record.channels.iter_mut().find(|channel| channel.name == name) {
                 channel.values.iter_mut().for_each(|value| *value *= scale);
             }
+        }
+        for exchange in self.exchanges.iter().filter(|e| e.airframe == airframe && flight >= e.flight) {
+            let channel = record.channels.iter_mut().find(|channel| channel.name == exchange.channel);
+            let channel = channel.ok_or_else(|| SimulatedError::NoChannel { name: exchange.channel.clone() })?;
+            channel.values.iter_mut().for_each(|value| *value = (1.0 + exchange.scale) * *value + exchange.zero);
         }
         Ok(record)
     }

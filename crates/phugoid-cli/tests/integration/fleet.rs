@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-use phugoid_fleet::simulated::{Drift, SimulatedFleet};
+use phugoid_fleet::simulated::{Drift, Exchange, SimulatedFleet};
 use phugoid_flight_data::csv;
 
 use crate::common::{Folder, phugoid};
@@ -18,7 +18,14 @@ const FLIGHTS: usize = 4;
 /// A drift of ten percent in four flights, which cannot be overlooked.
 fn drifting() -> SimulatedFleet {
     let drift = Drift { airframe: 2, parameter: "Cm_alpha".to_owned(), part_per_flight: 0.1 };
-    SimulatedFleet { seed: 5, sensor_scale: 0.01, sample_rate_hz: 25.0, manoeuvres: 1, drifts: vec![drift] }
+    SimulatedFleet {
+        seed: 5,
+        sensor_scale: 0.01,
+        sample_rate_hz: 25.0,
+        manoeuvres: 1,
+        drifts: vec![drift],
+        exchanges: Vec::new(),
+    }
 }
 
 /// Twelve flights, a copy of one of them, a flight in which nothing moves, and a file that is no flight.
@@ -162,8 +169,14 @@ fn mistakes_are_told_before_anything_is_estimated() {
 fn the_drift_of_one_airframe_is_found_and_no_other() {
     let folder = Folder::new("fleet-drift");
     let drift = Drift { airframe: 2, parameter: "Cm_alpha".to_owned(), part_per_flight: 0.05 };
-    let made =
-        SimulatedFleet { seed: 11, sensor_scale: 0.015, sample_rate_hz: 25.0, manoeuvres: 1, drifts: vec![drift] };
+    let made = SimulatedFleet {
+        seed: 11,
+        sensor_scale: 0.015,
+        sample_rate_hz: 25.0,
+        manoeuvres: 1,
+        drifts: vec![drift],
+        exchanges: Vec::new(),
+    };
     let mut table = "log,airframe,flight,hours\n".to_owned();
     for airframe in 0..4 {
         for flight in 0..10 {
@@ -192,6 +205,13 @@ fn the_drift_of_one_airframe_is_found_and_no_other() {
     assert_eq!(changed, ["\"N2\" \"Cm_alpha\" \"drift\""], "{drifting:#}");
     let [size, std_error] = ["size", "std_error"].map(|key| drifting["drift"][key].as_f64().unwrap());
     assert!((size + 0.05 * 0.4986).abs() < 3.0 * std_error, "{size} +- {std_error}");
+    // A slope of the pitching moment alone drifts: the parameter, or the centre of gravity, which moves no other one here.
+    let together =
+        told["airframes"].as_array().unwrap().iter().find(|a| a["name"] == "N2").unwrap()["together"].clone();
+    let causes: Vec<&serde_json::Value> =
+        together["explanations"].as_array().unwrap().iter().map(|e| &e["cause"]["name"]).collect();
+    assert!(causes.iter().any(|cause| **cause == "Cm_alpha"), "{together:#}");
+    assert!(!causes.iter().any(|cause| **cause == "flow_angle_scale"), "{together:#}");
     // Means are no better than what the sensors of an airframe allow.
     let combined = &drifting["combined"];
     assert!(combined["airframe_std"].as_f64() > combined["random_std"].as_f64());
@@ -204,6 +224,42 @@ fn the_drift_of_one_airframe_is_found_and_no_other() {
     assert!(page.contains("logs/2-9.csv") && page.contains("drift"));
     let mistaken = phugoid(&folder.0, &["fleet", "tell", "store", "--only", "ekf"]);
     assert!(mistaken.fails(3).contains("ekf"));
+}
+
+/// Twenty flights of an airframe that gets another vane after ten of them: 8 % more, and a zero that is half a degree off.
+#[test]
+fn another_vane_is_named_as_what_changed() {
+    let folder = Folder::new("fleet-vane");
+    let zero = 0.5_f64.to_radians();
+    let vane = Exchange { airframe: 0, flight: 10, channel: "alpha".to_owned(), scale: 0.08, zero };
+    let made = SimulatedFleet {
+        seed: 12,
+        sensor_scale: 0.015,
+        sample_rate_hz: 25.0,
+        manoeuvres: 1,
+        drifts: Vec::new(),
+        exchanges: vec![vane],
+    };
+    fs::create_dir_all(folder.0.join("logs/N1")).unwrap();
+    for flight in 0..20 {
+        let path = folder.0.join(format!("logs/N1/{flight:02}.csv"));
+        csv::write_path(&made.record(0, flight).unwrap(), &path).unwrap();
+    }
+    fleet(&folder.0, "store", &[]);
+    let told = phugoid(&folder.0, &["fleet", "tell", "store", "--json"]).json();
+    let together = &told["airframes"][0]["together"];
+    let explanations = together["explanations"].as_array().unwrap();
+    let [first, ..] = &explanations[..] else { panic!("{together:#}") };
+    assert_eq!((&together["shape"], &together["at"]), (&"step".into(), &11.0.into()), "{together:#}");
+    assert_eq!(first["cause"]["kind"], "vane", "{together:#}");
+    // The model declares 2 % of the vane.
+    let number = |key: &str| first[key].as_f64().unwrap();
+    assert!((number("size") - 4.0).abs() < 3.0 * number("std_error"), "{first:#}");
+    assert!((number("zero_rad") - zero).abs() < 3.0 * number("zero_std_rad"), "{first:#}");
+    let text = phugoid(&folder.0, &["fleet", "tell", "store"]).out;
+    assert!(text.contains("step at flight 11.00  flow angles: scale +"), "{text}");
+    phugoid(&folder.0, &["fleet", "view", "store", "--html", "fleet.html"]);
+    assert!(folder.read("fleet.html").contains("flow angles: scale +"));
 }
 
 const CAMPAIGN: &str = r#"

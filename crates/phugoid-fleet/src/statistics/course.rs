@@ -15,7 +15,7 @@ pub struct Observation {
     pub value: f64,
     /// The part of its standard error that noise and turbulence make; positive.
     pub random_std: f64,
-    /// The parts that the declared quantities make, one sigma, in the order of
+    /// What a positive error of each declared quantity of one sigma does to it, in the order of
     /// [`UncertainQuantity::ALL`](phugoid_identification::estimation::UncertainQuantity::ALL).
     pub budget: [f64; QUANTITIES],
 }
@@ -78,19 +78,15 @@ const FEWEST_ASIDE: usize = 3;
 
 /// The mean of the flights of one airframe; `None` without an observation.
 ///
-/// The flights are weighted by their random parts. What they share is not averaged away: a quantity moves the mean by the
-/// weighted mean of what it does in each flight, all in the same direction.
+/// The flights are weighted by their random parts. What they share is not averaged away: a quantity moves the mean by
+/// [what it does](effects) in each flight.
 pub fn combine(observations: &[Observation]) -> Option<Combined> {
     if observations.is_empty() {
         return None;
     }
-    let weights: Vec<f64> = observations.iter().map(|o| o.random_std.powi(-2)).collect();
-    let whole: f64 = weights.iter().sum();
-    let mean = |of: &dyn Fn(&Observation) -> f64| -> f64 {
-        observations.iter().zip(&weights).map(|(o, w)| w * of(o)).sum::<f64>() / whole
-    };
-    let value = mean(&|o| o.value);
-    let shared: [f64; QUANTITIES] = std::array::from_fn(|place| mean(&|o| o.budget[place]));
+    let value = mean(observations, |o| o.value);
+    let whole: f64 = observations.iter().map(|o| o.random_std.powi(-2)).sum();
+    let shared = effects(observations);
     let dispersion = dispersion(constant(observations).chi_squared, observations.len(), 1);
     // Flights that scatter more than they claim are known less well than they claim.
     let random_std = whole.powf(-0.5) * dispersion.max(1.0);
@@ -98,6 +94,18 @@ pub fn combine(observations: &[Observation]) -> Option<Combined> {
     let fleet_std = part_of(&shared, &[Owner::Fleet]);
     let std_error = random_std.hypot(airframe_std).hypot(fleet_std);
     Some(Combined { value, std_error, random_std, airframe_std, fleet_std, dispersion })
+}
+
+/// The mean of something over the flights, weighted by their random parts.
+fn mean(observations: &[Observation], of: impl Fn(&Observation) -> f64) -> f64 {
+    let weight = |o: &Observation| o.random_std.powi(-2);
+    observations.iter().map(|o| weight(o) * of(o)).sum::<f64>() / observations.iter().map(weight).sum::<f64>()
+}
+
+/// What a positive error of each declared quantity of one sigma does to the mean of the flights, in the order of
+/// [`UncertainQuantity::ALL`](phugoid_identification::estimation::UncertainQuantity::ALL); NaN without observations.
+pub fn effects(observations: &[Observation]) -> [f64; QUANTITIES] {
+    std::array::from_fn(|place| mean(observations, |o| o.budget[place]))
 }
 
 /// Root of the mean squared weighted residual; one where nothing is left to tell.
@@ -189,19 +197,30 @@ pub fn step(observations: &[Observation]) -> Option<Change> {
     let before = |at: f64| observations.iter().filter(|o| o.at < at).count();
     places.retain(|at| (FEWEST_ASIDE..=count - FEWEST_ASIDE).contains(&before(*at)));
     let tried = places.len() as f64;
-    let candidates = places.into_iter().map(|at| {
-        let weight = |side: bool| -> f64 {
-            observations.iter().filter(|o| (o.at >= at) == side).map(|o| 1.0 / o.variance()).sum()
-        };
-        let fit = two_levels(observations, at);
-        let level = |side: bool| observations.iter().position(|o| (o.at >= at) == side).map(|k| fit.fitted[k]);
-        let size = level(true).zip(level(false)).map_or(f64::NAN, |(after, before)| after - before);
-        let claimed = (1.0 / weight(true) + 1.0 / weight(false)).sqrt();
-        let std_error = claimed * dispersion(fit.chi_squared, count, 2);
-        let p_value = (tried * student_two_sided(over(size, std_error), (count - 2) as f64)).min(1.0);
-        Change { size, std_error, at, p_value, chi_squared: fit.chi_squared }
+    let candidates = places.into_iter().filter_map(|at| {
+        let change = level_change(observations, at)?;
+        Some(Change { p_value: (tried * change.p_value).min(1.0), ..change })
     });
     candidates.min_by(|a, b| a.chi_squared.total_cmp(&b.chi_squared))
+}
+
+/// The step of a course at a place that is given: `at` is the first observation after it. `None` with fewer than six observations, or
+/// fewer than three on one side.
+pub fn level_change(observations: &[Observation], at: f64) -> Option<Change> {
+    let count = observations.len();
+    let before = observations.iter().filter(|o| o.at < at).count();
+    if count < FEWEST || !(FEWEST_ASIDE..=count - FEWEST_ASIDE).contains(&before) {
+        return None;
+    }
+    let weight =
+        |side: bool| -> f64 { observations.iter().filter(|o| (o.at >= at) == side).map(|o| 1.0 / o.variance()).sum() };
+    let fit = two_levels(observations, at);
+    let level = |side: bool| observations.iter().position(|o| (o.at >= at) == side).map(|k| fit.fitted[k]);
+    let size = level(true).zip(level(false)).map_or(f64::NAN, |(after, before)| after - before);
+    let claimed = (1.0 / weight(true) + 1.0 / weight(false)).sqrt();
+    let std_error = claimed * dispersion(fit.chi_squared, count, 2);
+    let p_value = student_two_sided(over(size, std_error), (count - 2) as f64);
+    Some(Change { size, std_error, at, p_value, chi_squared: fit.chi_squared })
 }
 
 #[cfg(test)]

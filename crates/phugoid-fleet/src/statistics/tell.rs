@@ -5,7 +5,8 @@ use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use phugoid_evaluation::statistics::clopper_pearson;
 use serde::Serialize;
 
-use super::course::{Change, Combined, Fit, Observation, combine, constant, drift, line, step, two_levels};
+use super::cause::{Together, together};
+use super::course::{Change, Combined, Fit, Observation, combine, constant, drift, effects, line, step, two_levels};
 use super::false_discovery::rates;
 use super::outlier::{self, Apart};
 use super::sharing::{Owner, part_of};
@@ -162,6 +163,8 @@ pub struct Airframe {
     pub logs: usize,
     /// The course of each parameter, in the order of their names; none of a parameter without a single estimate that can be used.
     pub courses: Vec<Course>,
+    /// What its courses do together, and what explains it; none where no course drifts or steps.
+    pub together: Option<Together>,
     /// Its logs of which no estimate can be used, and why.
     pub unused: Unused,
 }
@@ -191,6 +194,9 @@ pub struct Course {
     pub left_out: usize,
     /// The mean over the flights.
     pub combined: Combined,
+    /// What a positive error of one declared standard uncertainty of each quantity does to the mean, in the unit of the parameter and
+    /// the order of [`UncertainQuantity::ALL`](phugoid_identification::estimation::UncertainQuantity::ALL).
+    pub effects: [f64; QUANTITIES],
     /// The drift, significant or not.
     pub drift: Option<Change>,
     /// The most certain step, significant or not.
@@ -279,6 +285,9 @@ pub fn tell(rows: &[Row], logs: &[LogRow], question: &Question) -> Result<Findin
     judge_unused(&mut airframes.iter_mut().map(|airframe| &mut airframe.unused).collect::<Vec<_>>(), rate);
     judge_changes(&mut airframes, rate);
     judge_outliers(&mut airframes, rate);
+    for airframe in &mut airframes {
+        airframe.together = together(airframe);
+    }
     let coverage = judge_flights(&mut airframes, rate);
     let (false_discoveries, over) = (rate, question.over);
     Ok(Findings { set, false_discoveries, over, logs, notes, refused, airframes, coverage })
@@ -378,7 +387,13 @@ fn airframes(rows: &[&Row], logs: &[&LogRow], over: Over, notes: &mut Vec<String
             points.sort_by(|(a, _), (b, _)| a.at.total_cmp(&b.at));
             course(parameter, unit, left_out, points)
         });
-        airframes.push(Airframe { name: name.to_owned(), logs: logs.len(), courses: courses.collect(), unused });
+        airframes.push(Airframe {
+            name: name.to_owned(),
+            logs: logs.len(),
+            courses: courses.collect(),
+            together: None,
+            unused,
+        });
     }
     airframes.sort_by_cached_key(|airframe| natural(&airframe.name));
     Ok(airframes)
@@ -415,6 +430,7 @@ fn course(parameter: &str, unit: String, left_out: usize, points: Vec<WithBudget
         unit,
         left_out,
         combined: combine(&observations)?,
+        effects: effects(&observations),
         drift,
         step,
         shape: Shape::TooFew,

@@ -151,6 +151,53 @@ pub struct SystematicPart {
     pub quantity: UncertainQuantity,
     /// Its share of the systematic variance, 0 to 1. The shares of a parameter add up to one.
     pub share: f64,
+    /// What a positive error of one declared standard uncertainty does to the estimate: estimate less truth, in the unit of the
+    /// parameter. Positive is a sensor that shows too much or too late, a mass, an inertia or a thrust that is larger than the model
+    /// file says, and a centre of gravity behind the one that it says, so that the effects of one quantity on several parameters
+    /// can be compared. Where a quantity stands for several constants with errors of their own (alpha and beta, each surface, each
+    /// accelerometer), the root of the sum of their squares with the sign of the largest one.
+    pub effect: f64,
+}
+
+/// The systematic error of one parameter, sorted by quantity.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct ByQuantity {
+    /// In the order of [`UncertainQuantity::ALL`].
+    variances: [f64; UncertainQuantity::ALL.len()],
+    /// The largest effect of a constant of each quantity.
+    largest: [f64; UncertainQuantity::ALL.len()],
+}
+
+impl ByQuantity {
+    /// Adds what one standard uncertainty of a constant of this quantity does: estimate less truth.
+    pub(crate) fn add(&mut self, quantity: UncertainQuantity, effect: f64) {
+        let (variance, largest) = (&mut self.variances[quantity as usize], &mut self.largest[quantity as usize]);
+        *variance += effect * effect;
+        if effect.abs() > largest.abs() {
+            *largest = effect;
+        }
+    }
+
+    /// One sigma of all together, in the unit of the parameter.
+    pub(crate) fn std(&self) -> f64 {
+        self.variances.iter().sum::<f64>().sqrt()
+    }
+
+    /// The parts, the largest share first; quantities without any are left out.
+    pub(crate) fn parts(&self) -> Vec<SystematicPart> {
+        let whole: f64 = self.variances.iter().sum();
+        let of_each = UncertainQuantity::ALL.into_iter().zip(self.variances.iter().zip(&self.largest));
+        let mut parts: Vec<SystematicPart> = of_each
+            .filter(|(_, (variance, _))| **variance > 0.0)
+            .map(|(quantity, (variance, largest))| SystematicPart {
+                quantity,
+                share: variance / whole,
+                effect: variance.sqrt().copysign(*largest),
+            })
+            .collect();
+        parts.sort_by(|a, b| b.share.total_cmp(&a.share));
+        parts
+    }
 }
 
 /// Share of a systematic variance from which on a quantity is named: less is 0 % when it is rounded.
@@ -167,17 +214,4 @@ pub(crate) fn in_words(parts: &[SystematicPart], most: usize) -> String {
         words.push(words_of("others", rest));
     }
     words.join(", ")
-}
-
-/// Shares of the variances of all quantities, the largest first; those without any are left out.
-pub(crate) fn shares(variances: &[f64; UncertainQuantity::ALL.len()]) -> Vec<SystematicPart> {
-    let whole: f64 = variances.iter().sum();
-    let mut shares: Vec<SystematicPart> = UncertainQuantity::ALL
-        .into_iter()
-        .zip(variances)
-        .filter(|(_, variance)| **variance > 0.0)
-        .map(|(quantity, variance)| SystematicPart { quantity, share: variance / whole })
-        .collect();
-    shares.sort_by(|a, b| b.share.total_cmp(&a.share));
-    shares
 }

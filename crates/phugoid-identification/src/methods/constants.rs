@@ -6,21 +6,18 @@ use crate::batch::{
 };
 use crate::core::method::Method;
 use crate::core::options::CAPACITY;
-use crate::core::systematic::{ROOM_FOR_CONSTANTS, SystematicPart, UncertainQuantity, shares};
+use crate::core::systematic::{ByQuantity, ROOM_FOR_CONSTANTS, SystematicPart};
 use crate::motion::MotionModel;
 
-/// Variances by quantity of each parameter of a structure.
+/// The systematic errors of the parameters of a structure, one entry per parameter.
 #[derive(Clone, Debug)]
-pub(super) struct Systematic {
-    /// One entry per parameter of the structure, in the order of [`UncertainQuantity::ALL`].
-    variances: Vec<[f64; UncertainQuantity::ALL.len()]>,
-}
+pub(super) struct Systematic(Vec<ByQuantity>);
 
 impl Systematic {
     /// One sigma of the systematic part of a parameter, and what makes it.
     pub(super) fn of(&self, position: usize) -> Option<(f64, Vec<SystematicPart>)> {
-        let variances = self.variances.get(position)?;
-        Some((variances.iter().sum::<f64>().sqrt(), shares(variances)))
+        let all = self.0.get(position)?;
+        Some((all.std(), all.parts()))
     }
 }
 
@@ -43,13 +40,14 @@ pub(super) fn systematic<M: MotionModel<N, R, CAPACITY>, const N: usize, const R
         Method::OutputError => output_error_constants(manoeuvres, structure, fit, &sigmas)?,
         _ => equation_error_constants(manoeuvres, structure, regression, fit, &sigmas)?,
     };
-    let variances = |errors: &ByConstant| {
-        let mut variances = [0.0; UncertainQuantity::ALL.len()];
+    let by_quantity = |errors: &ByConstant| {
+        let mut all = ByQuantity::default();
         for ((error, sigma), quantity) in errors.iter().zip(&sigmas).zip(M::CONSTANTS) {
-            variances[*quantity as usize] += (error * sigma).powi(2);
+            // The errors are those of the truth against what was found.
+            all.add(*quantity, -error * sigma);
         }
-        variances
+        all
     };
-    let variances: Vec<_> = by_parameter.iter().map(variances).collect();
-    variances.iter().flatten().all(|variance| variance.is_finite()).then_some(Systematic { variances })
+    let all: Vec<_> = by_parameter.iter().map(by_quantity).collect();
+    all.iter().all(|of_one| of_one.std().is_finite()).then_some(Systematic(all))
 }

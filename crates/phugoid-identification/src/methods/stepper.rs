@@ -19,7 +19,7 @@ use crate::core::error::EstimateError;
 use crate::core::estimation::Event;
 use crate::core::method::Method;
 use crate::core::options::{KnownChange, Opens};
-use crate::core::systematic::{SystematicPart, UncertainQuantity, shares};
+use crate::core::systematic::{ByQuantity, SystematicPart};
 use crate::model_file::{Base, ByPowers, ModelFile, Role};
 use crate::motion::MotionModel;
 use crate::preparation::excitation::{Excitation, Moved};
@@ -400,15 +400,17 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> Ca
     }
 
     fn systematic_parts(&self, column: usize) -> Vec<SystematicPart> {
-        let Some(parts) = self.followed(column) else {
+        let errors = self.estimator.error_by_constant(column).filter(|_| self.followed(column).is_some());
+        let Some(errors) = errors else {
             let value = self.shown.parameters[column];
             return self.by_powers.get(column).map_or_else(Vec::new, |powers| powers.shares(value));
         };
-        let mut variances = [0.0; UncertainQuantity::ALL.len()];
-        for (quantity, part) in M::CONSTANTS.iter().zip(parts) {
-            variances[*quantity as usize] += part;
+        let mut all = ByQuantity::default();
+        for ((quantity, error), variance) in M::CONSTANTS.iter().zip(errors).zip(&self.variances) {
+            // The errors are those of the truth against the estimate.
+            all.add(*quantity, -error * variance.sqrt());
         }
-        shares(&variances)
+        all.parts()
     }
 
     fn detector(&self) -> Option<DetectorReport> {

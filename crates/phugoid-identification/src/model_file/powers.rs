@@ -7,7 +7,7 @@
 use super::uncertainty::Uncertainty;
 use super::{Base, ModelFile, Parameter, RateSpeed, Role};
 use crate::core::scaling::ScalingPowers;
-use crate::core::systematic::{SystematicPart, UncertainQuantity, shares};
+use crate::core::systematic::{ByQuantity, SystematicPart, UncertainQuantity};
 use crate::core::term::{Coefficient, Term};
 
 /// Number of quantities.
@@ -41,20 +41,26 @@ impl ByPowers {
     /// Of nothing that is declared.
     pub(crate) const NONE: Self = Self { parts: [0.0; COUNT], shifts: [0.0; COUNT], database: 0.0 };
 
-    /// Variance by quantity, where the parameter has a value.
-    fn variances(&self, value: f64) -> [f64; COUNT] {
+    /// What each quantity does, where the parameter has a value.
+    fn by_quantity(&self, value: f64) -> ByQuantity {
         let whole = self.database + value;
-        std::array::from_fn(|k| (self.parts[k] * whole).powi(2) + self.shifts[k].powi(2))
+        let mut all = ByQuantity::default();
+        for (k, quantity) in UncertainQuantity::ALL.into_iter().enumerate() {
+            // A sensor that shows too much makes the regressor too large, and the derivative too small by as much.
+            all.add(quantity, -self.parts[k] * whole);
+            all.add(quantity, self.shifts[k]);
+        }
+        all
     }
 
     /// One sigma, in the unit of the parameter, where it has a value.
     pub fn std(&self, value: f64) -> f64 {
-        self.variances(value).iter().sum::<f64>().sqrt()
+        self.by_quantity(value).std()
     }
 
     /// The quantities that make it, the largest share first. Empty where [`std`](Self::std) is zero.
     pub fn shares(&self, value: f64) -> Vec<SystematicPart> {
-        shares(&self.variances(value))
+        self.by_quantity(value).parts()
     }
 }
 
