@@ -45,6 +45,8 @@ fn checked(document: &Value) -> Vec<Value> {
         with_parts += 1;
         let shares: Vec<f64> = parts.iter().map(|part| number(&part["share"])).collect();
         assert!((shares.iter().sum::<f64>() - 1.0).abs() < 1e-12 && shares.is_sorted_by(|a, b| a >= b), "{p}");
+        let effects = parts.iter().map(|part| number(&part["effect"]).powi(2)).sum::<f64>().sqrt();
+        assert!((effects / systematic - 1.0).abs() < 1e-9, "{p}");
     }
     assert!(with_parts >= 6);
     parameters.clone()
@@ -78,6 +80,24 @@ fn followed_errors_leave_the_estimate_alone_and_know_of_more_than_scales() {
         let p = followed.iter().find(|p| p["name"] == name).unwrap();
         p["systematic_parts"].as_array().unwrap().iter().map(|q| q["quantity"].as_str().unwrap().to_owned()).collect()
     };
+    // A filter, a batch method and the powers of the scales agree on the direction: a sensor that shows too much makes a derivative too
+    // small, and so does a mass or an inertia that is larger than the model file says.
+    let output_error = checked(&estimate("", &["--json", "--method", "output-error"]).json_of_any_result());
+    let by_powers = checked(&powers.json_of_any_result());
+    let effect = |of: &[Value], name: &str, quantity: &str| {
+        let p = of.iter().find(|p| p["name"] == name).unwrap();
+        let part = p["systematic_parts"].as_array().unwrap().iter().find(|q| q["quantity"] == quantity).unwrap();
+        number(&part["effect"]) / number(&p["value"])
+    };
+    for (name, quantities) in [
+        ("CL_alpha", ["airspeed_scale", "flow_angle_scale", "mass"]),
+        ("Cm_elevator", ["airspeed_scale", "surface_scale", "inertia"]),
+    ] {
+        for quantity in quantities {
+            let effects = [&followed, &output_error, &by_powers].map(|of| effect(of, name, quantity));
+            assert!(effects.iter().all(|effect| *effect < 0.0), "{name} {quantity}: {effects:?}");
+        }
+    }
     for quantity in ["centre_of_gravity", "surface_skew", "flow_angle_lag", "inertia"] {
         assert!(quantities("Cm_alpha").iter().any(|q| q == quantity), "{quantity}");
     }

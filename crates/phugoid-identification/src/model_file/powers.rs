@@ -157,6 +157,8 @@ mod tests {
         assert_eq!(words, ["inertia", "airspeed_scale", "surface_scale"]);
         // 36, 9 and 9 parts of 54.
         assert!((shares[0].share - 36.0 / 54.0).abs() < 1e-12 && (shares[2].share - 9.0 / 54.0).abs() < 1e-12);
+        // An airspeed that shows 1.5 % too much makes it smaller by the square, an inertia that is 6 % larger than is said by 6 %.
+        assert!((shares[0].effect + 0.06).abs() < 1e-12 && (shares[1].effect + 0.03).abs() < 1e-12);
         assert!(of("Cm_0").shares(1.0).is_empty());
     }
 
