@@ -97,36 +97,27 @@ fn unused(page: &mut String, findings: &Findings) {
     page.push_str("</tbody></table></div>\n");
 }
 
-/// What explains the drifts and steps of an airframe together.
+/// What explains the drifts, the steps and the distances of the airframes.
 fn causes(page: &mut String, findings: &Findings) {
     let unit = if findings.over == Over::Hours { "hour" } else { "flight" };
-    let with: Vec<_> = findings.airframes.iter().filter_map(|a| Some((&a.name, a.together.as_ref()?))).collect();
-    if with.is_empty() {
+    let mut lines = findings.airframes.iter().flat_map(|a| a.together.iter().map(move |t| (&a.name, t))).peekable();
+    if lines.peek().is_none() {
         return;
     }
     page.push_str(
-        "<h2>What explains the drifts and steps of an airframe together</h2>\n<div class=\"wide\"><table><thead><tr><th class=\"w\">airframe</th>\
+        "<h2>What explains the findings, all parameters of an airframe together</h2>\n<div class=\"wide\"><table><thead><tr><th class=\"w\">airframe</th>\
          <th class=\"w\">what</th><th class=\"w\">explained by, +- 2 sigma</th><th>p</th></tr></thead><tbody>\n",
     );
-    for (airframe, together) in with {
-        let (what, per) = match together.at {
-            Some(at) => (format!("step at {unit} {}", short(at)), String::new()),
-            None => ("drift".to_owned(), format!(" per {unit}")),
-        };
-        let mut line = |by: &str, p: f64| {
+    for (airframe, together) in lines {
+        for (line, p) in together.lines(unit) {
             let _ = writeln!(
                 page,
-                "<tr class=\"found\"><td class=\"w\">{}</td><td class=\"w\">{what}</td><td class=\"w\">{}</td>{}</tr>",
+                "<tr class=\"found\"><td class=\"w\">{}</td><td class=\"w\">{}</td><td class=\"w\">{}</td>{}</tr>",
                 escaped(airframe),
-                escaped(by),
-                number(p)
+                together.words(unit),
+                escaped(&line),
+                number(p.unwrap_or(f64::NAN))
             );
-        };
-        for explanation in &together.explanations {
-            line(&format!("{}{per}", explanation.words()), explanation.p_value);
-        }
-        if together.explanations.is_empty() {
-            line(&format!("no single cause explains what its {} parameters do", together.parameters), f64::NAN);
         }
     }
     page.push_str("</tbody></table></div>\n");

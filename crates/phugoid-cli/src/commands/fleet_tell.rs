@@ -51,8 +51,8 @@ fn text(findings: &Findings) -> String {
         section(&mut text, "Flights without an estimate that can be used", Some(table));
     }
     section(&mut text, "Drifts and steps", changes(findings));
-    section(&mut text, "What explains the drifts and steps of an airframe together", causes(findings));
     section(&mut text, "Airframes apart from the others", outliers(each().filter(|(_, course)| course.is_outlier)));
+    section(&mut text, "What explains these, all parameters of an airframe together", causes(findings));
     section(&mut text, "Flights that disagree with their own airframe", flights(each()));
     section(&mut text, "Flights within two claimed standard errors of the others", coverage(findings));
     match each().count() {
@@ -116,28 +116,16 @@ fn changes(findings: &Findings) -> Option<String> {
     any.then(|| table.render())
 }
 
-/// The causes of what courses do; none where nothing was found that more than one course could tell.
+/// The causes of what courses do; none where nothing was found that several parameters could tell.
 fn causes(findings: &Findings) -> Option<String> {
     let unit = if findings.over == Over::Hours { "hour" } else { "flight" };
-    let mut table = Table::with_words(&["airframe", "what", "explained by", "p"], &[0, 1, 2]);
+    let mut table = Table::with_words(&["airframe", "what", "explained by, +- 2 sigma", "p"], &[0, 1, 2]);
     let mut any = false;
-    for (airframe, together) in findings.airframes.iter().filter_map(|a| Some((a, a.together.as_ref()?))) {
-        any = true;
-        let (what, per) = match together.at {
-            Some(at) => (format!("step at {unit} {}", significant(at, 4)), String::new()),
-            None => ("drift".to_owned(), format!(" per {unit}")),
-        };
-        for explanation in &together.explanations {
-            table.row([
-                airframe.name.clone(),
-                what.clone(),
-                format!("{}{per}", explanation.words()),
-                significant(explanation.p_value, 2),
-            ]);
-        }
-        if together.explanations.is_empty() {
-            let none = format!("no single cause explains what its {} parameters do", together.parameters);
-            table.row([airframe.name.clone(), what, none, "-".to_owned()]);
+    for (airframe, together) in findings.airframes.iter().flat_map(|a| a.together.iter().map(move |t| (a, t))) {
+        for (line, p) in together.lines(unit) {
+            any = true;
+            let p = p.map_or_else(|| "-".to_owned(), |p| significant(p, 2));
+            table.row([airframe.name.clone(), together.words(unit), line, p]);
         }
     }
     any.then(|| table.render())

@@ -207,7 +207,7 @@ fn the_drift_of_one_airframe_is_found_and_no_other() {
     assert!((size + 0.05 * 0.4986).abs() < 3.0 * std_error, "{size} +- {std_error}");
     // A slope of the pitching moment alone drifts: the parameter, or the centre of gravity, which moves no other one here.
     let together =
-        told["airframes"].as_array().unwrap().iter().find(|a| a["name"] == "N2").unwrap()["together"].clone();
+        told["airframes"].as_array().unwrap().iter().find(|a| a["name"] == "N2").unwrap()["together"][0].clone();
     let causes: Vec<&serde_json::Value> =
         together["explanations"].as_array().unwrap().iter().map(|e| &e["cause"]["name"]).collect();
     assert!(causes.iter().any(|cause| **cause == "Cm_alpha"), "{together:#}");
@@ -247,17 +247,17 @@ fn another_vane_is_named_as_what_changed() {
     }
     fleet(&folder.0, "store", &[]);
     let told = phugoid(&folder.0, &["fleet", "tell", "store", "--json"]).json();
-    let together = &told["airframes"][0]["together"];
+    let together = &told["airframes"][0]["together"][0];
     let explanations = together["explanations"].as_array().unwrap();
     let [first, ..] = &explanations[..] else { panic!("{together:#}") };
-    assert_eq!((&together["shape"], &together["at"]), (&"step".into(), &11.0.into()), "{together:#}");
+    assert_eq!((&together["what"], &together["at"]), (&"step".into(), &11.0.into()), "{together:#}");
     assert_eq!(first["cause"]["kind"], "vane", "{together:#}");
     // The model declares 2 % of the vane.
     let number = |key: &str| first[key].as_f64().unwrap();
     assert!((number("size") - 4.0).abs() < 3.0 * number("std_error"), "{first:#}");
     assert!((number("zero_rad") - zero).abs() < 3.0 * number("zero_std_rad"), "{first:#}");
     let text = phugoid(&folder.0, &["fleet", "tell", "store"]).out;
-    assert!(text.contains("step at flight 11.00  flow angles: scale +"), "{text}");
+    assert!(text.contains("step at flight 11  flow angles: scale +"), "{text}");
     phugoid(&folder.0, &["fleet", "view", "store", "--html", "fleet.html"]);
     assert!(folder.read("fleet.html").contains("flow angles: scale +"));
 }

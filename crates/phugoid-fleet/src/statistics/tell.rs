@@ -163,8 +163,8 @@ pub struct Airframe {
     pub logs: usize,
     /// The course of each parameter, in the order of their names; none of a parameter without a single estimate that can be used.
     pub courses: Vec<Course>,
-    /// What its courses do together, and what explains it; none where no course drifts or steps.
-    pub together: Option<Together>,
+    /// What its courses do together, and what explains it: a drift or a step, and its distance from the others, where they were found.
+    pub together: Vec<Together>,
     /// Its logs of which no estimate can be used, and why.
     pub unused: Unused,
 }
@@ -285,8 +285,9 @@ pub fn tell(rows: &[Row], logs: &[LogRow], question: &Question) -> Result<Findin
     judge_unused(&mut airframes.iter_mut().map(|airframe| &mut airframe.unused).collect::<Vec<_>>(), rate);
     judge_changes(&mut airframes, rate);
     judge_outliers(&mut airframes, rate);
+    let count = airframes.len();
     for airframe in &mut airframes {
-        airframe.together = together(airframe);
+        airframe.together = together(airframe, count);
     }
     let coverage = judge_flights(&mut airframes, rate);
     let (false_discoveries, over) = (rate, question.over);
@@ -391,7 +392,7 @@ fn airframes(rows: &[&Row], logs: &[&LogRow], over: Over, notes: &mut Vec<String
             name: name.to_owned(),
             logs: logs.len(),
             courses: courses.collect(),
-            together: None,
+            together: Vec::new(),
             unused,
         });
     }
