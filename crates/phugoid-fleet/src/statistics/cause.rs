@@ -22,11 +22,10 @@ use nalgebra::{DMatrix, DVector};
 use phugoid_identification::estimation::UncertainQuantity;
 use serde::Serialize;
 
-use super::course::{Change, Fit, Observation, constant, drift, level_change, line, two_levels};
+use super::course::{Change, Fit, constant, drift, level_change, line, two_levels};
 use super::distribution::chi_squared_above;
 use super::sharing::{Owner, owner};
 use super::tell::{Airframe, Course, Shape};
-use crate::row::QUANTITIES;
 
 /// What is to be explained.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -174,7 +173,7 @@ struct Asked<'a> {
 
 impl<'a> Asked<'a> {
     fn of_change(course: &'a Course, at: Option<f64>) -> Option<Self> {
-        let observations = observations(course);
+        let observations = course.observations();
         let (change, fit) = match at {
             Some(at) => (level_change(&observations, at)?, two_levels(&observations, at)),
             None => (drift(&observations)?, line(&observations)?.0),
@@ -188,23 +187,13 @@ impl<'a> Asked<'a> {
 
     fn of_distance(course: &'a Course) -> Option<Self> {
         let size = course.apart?.distance;
-        let fit = constant(&observations(course));
+        let fit = constant(&course.observations());
         Self { course, size, std_error: course.combined.random_std, fit }.that_is_finite()
     }
 
     fn that_is_finite(self) -> Option<Self> {
         (self.std_error > 0.0 && self.std_error.is_finite() && self.size.is_finite()).then_some(self)
     }
-}
-
-fn observations(course: &Course) -> Vec<Observation> {
-    let of = |p: &super::tell::Point| Observation {
-        at: p.at,
-        value: p.value,
-        random_std: p.own_std,
-        budget: [0.0; QUANTITIES],
-    };
-    course.points.iter().map(of).collect()
 }
 
 /// Correlation of the residuals of the flights that all courses have; less of it where there are few such flights.

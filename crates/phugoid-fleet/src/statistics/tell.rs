@@ -215,6 +215,14 @@ pub struct Course {
     pub points: Vec<Point>,
 }
 
+impl Course {
+    /// The points with what each may differ by from another flight of its airframe, which is all that they are compared by.
+    pub(super) fn observations(&self) -> Vec<Observation> {
+        let of = |p: &Point| Observation { at: p.at, value: p.value, random_std: p.own_std, budget: [0.0; QUANTITIES] };
+        self.points.iter().map(of).collect()
+    }
+}
+
 /// One estimate of a course.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Point {
@@ -495,11 +503,7 @@ fn judge_flights(airframes: &mut [Airframe], rate: f64) -> Vec<Coverage> {
     let mut coverage: BTreeMap<String, (usize, usize)> = BTreeMap::new();
     let mut p_values = Vec::new();
     for course in airframes.iter_mut().flat_map(|airframe| &mut airframe.courses) {
-        let observations: Vec<Observation> = course
-            .points
-            .iter()
-            .map(|p| Observation { at: p.at, value: p.value, random_std: p.own_std, budget: [0.0; QUANTITIES] })
-            .collect();
+        let observations = course.observations();
         let told = outlier::flights(&observations, &fit(course, &observations));
         let counts = coverage.entry(course.parameter.clone()).or_default();
         match told {
