@@ -51,7 +51,7 @@ fn text(findings: &Findings) -> String {
         section(&mut text, "Flights without an estimate that can be used", Some(table));
     }
     section(&mut text, "Drifts and steps", changes(findings));
-    section(&mut text, "Airframes apart from the others", outliers(each().filter(|(_, course)| course.is_outlier)));
+    section(&mut text, "Airframes apart from the others", outliers(findings));
     section(&mut text, "What explains these, all parameters of an airframe together", causes(findings));
     section(&mut text, "Flights that disagree with their own airframe", flights(each()));
     section(&mut text, "Flights within two claimed standard errors of the others", coverage(findings));
@@ -131,19 +131,26 @@ fn causes(findings: &Findings) -> Option<String> {
     any.then(|| table.render())
 }
 
-fn outliers<'a>(courses: impl Iterator<Item = (&'a Airframe, &'a Course)>) -> Option<String> {
+fn outliers(findings: &Findings) -> Option<String> {
     let mut table = Table::with_words(&["airframe", "parameter", "distance", "sigmas", "rate"], &[0, 1]);
     let mut any = false;
-    for (airframe, course) in courses {
-        let Some(apart) = course.apart else { continue };
-        any = true;
-        table.row([
-            airframe.name.clone(),
-            course.parameter.clone(),
-            significant(apart.distance, 3),
-            format!("{:+.1}", apart.sigmas),
-            significant(course.apart_rate.unwrap_or(f64::NAN), 2),
-        ]);
+    for airframe in &findings.airframes {
+        for course in airframe.courses.iter().filter(|course| course.is_outlier) {
+            let Some(apart) = course.apart else { continue };
+            any = true;
+            table.row([
+                airframe.name.clone(),
+                course.parameter.clone(),
+                significant(apart.distance, 3),
+                format!("{:+.1}", apart.sigmas),
+                significant(course.apart_rate.unwrap_or(f64::NAN), 2),
+            ]);
+        }
+        if let Some(whole) = airframe.whole.filter(|whole| whole.is_apart) {
+            any = true;
+            let together = format!("all {} together", whole.parameters);
+            table.row([airframe.name.clone(), together, "-".to_owned(), "-".to_owned(), significant(whole.rate, 2)]);
+        }
     }
     any.then(|| table.render())
 }

@@ -3,10 +3,12 @@
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
 use phugoid_evaluation::statistics::clopper_pearson;
+use phugoid_flight_data::statistics::median;
 use serde::Serialize;
 
-use super::cause::{Together, together};
+use super::cause::{Together, together, whole_distance};
 use super::course::{Change, Combined, Fit, Observation, combine, constant, drift, effects, line, step, two_levels};
+use super::distribution::chi_squared_above;
 use super::false_discovery::rates;
 use super::outlier::{self, Apart};
 use super::sharing::{Owner, part_of};
@@ -163,10 +165,31 @@ pub struct Airframe {
     pub logs: usize,
     /// The course of each parameter, in the order of their names; none of a parameter without a single estimate that can be used.
     pub courses: Vec<Course>,
+    /// Distance of all its parameters together from the others; none with fewer than three airframes.
+    pub whole: Option<Whole>,
     /// What its courses do together, and what explains it: a drift or a step, and its distance from the others, where they were found.
     pub together: Vec<Together>,
     /// Its logs of which no estimate can be used, and why.
     pub unused: Unused,
+}
+
+/// How far all parameters of an airframe together lie from the others.
+///
+/// A vane that shows 15 % too much moves each derivative by not more than airspeed, mass and inertia together might; but none of
+/// these moves all of them in that way.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Whole {
+    /// Squared distance over its covariance, by what is declared of the quantities and what the flights scatter.
+    pub chi_squared: f64,
+    /// Number of parameters.
+    pub parameters: usize,
+    /// Probability of as large a distance where it belongs to the others. Where these scatter by more than is declared, their scatter
+    /// is the measure.
+    pub p_value: f64,
+    /// Rate of false discoveries at which it would just be a finding.
+    pub rate: f64,
+    /// Whether it is one.
+    pub is_apart: bool,
 }
 
 /// What a course does.
@@ -294,6 +317,7 @@ pub fn tell(rows: &[Row], logs: &[LogRow], question: &Question) -> Result<Findin
     judge_changes(&mut airframes, rate);
     judge_outliers(&mut airframes, rate);
     let count = airframes.len();
+    judge_wholes(&mut airframes, rate);
     for airframe in &mut airframes {
         airframe.together = together(airframe, count);
     }
@@ -400,6 +424,7 @@ fn airframes(rows: &[&Row], logs: &[&LogRow], over: Over, notes: &mut Vec<String
             name: name.to_owned(),
             logs: logs.len(),
             courses: courses.collect(),
+            whole: None,
             together: Vec::new(),
             unused,
         });
@@ -488,6 +513,35 @@ fn judge_outliers(airframes: &mut [Airframe], rate: f64) {
         course.apart_rate = crate::row::finite(found);
         course.is_outlier = found <= rate;
     }
+}
+
+fn judge_wholes(airframes: &mut [Airframe], rate: f64) {
+    let count = airframes.len();
+    let distances: Vec<Option<(f64, f64)>> = airframes.iter().map(|a| whole_distance(a, count)).collect();
+    let p_of = |own: usize| {
+        let (chi_squared, freedom) = distances[own]?;
+        let others = distances.iter().enumerate().filter(|(other, _)| *other != own).filter_map(|(_, d)| *d);
+        let mut sizes: Vec<f64> =
+            others.map(|(chi_squared, freedom)| chi_squared / median_chi_squared(freedom)).collect();
+        let scatter = median(&mut sizes).unwrap_or(0.0).max(1.0);
+        Some((chi_squared, freedom, chi_squared_above(chi_squared / scatter, freedom)))
+    };
+    let told: Vec<Option<(f64, f64, f64)>> = (0..count).map(p_of).collect();
+    let found = rates(&told.iter().map(|told| told.map_or(f64::NAN, |(.., p)| p)).collect::<Vec<f64>>());
+    for (airframe, (told, found)) in airframes.iter_mut().zip(told.into_iter().zip(found)) {
+        airframe.whole = told.map(|(chi_squared, freedom, p_value)| Whole {
+            chi_squared,
+            parameters: freedom as usize,
+            p_value,
+            rate: found,
+            is_apart: found <= rate,
+        });
+    }
+}
+
+/// Half of all numbers with chi squared of these degrees of freedom are below it (Wilson and Hilferty 1931).
+fn median_chi_squared(freedom: f64) -> f64 {
+    freedom * (1.0 - 2.0 / (9.0 * freedom)).powi(3)
 }
 
 /// The fit that the verdict on a course asks for.
