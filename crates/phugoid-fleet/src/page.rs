@@ -7,14 +7,14 @@ use std::fmt::Write as _;
 use crate::statistics::tell::{Course, Findings, Over, Point, Shape};
 
 /// Size of a sparkline, pixels.
-const WIDTH: f64 = 240.0;
+const WIDTH: f64 = 180.0;
 const HEIGHT: f64 = 36.0;
 
 /// On a narrow screen the tables are moved sideways by themselves, and the text stays as wide as the screen.
 const STYLE: &str = "body{font:14px system-ui,sans-serif;margin:clamp(.7em,3vw,2em);color:#222}table{border-collapse:collapse}\
 .wide{overflow-x:auto}code{overflow-wrap:anywhere}td.e{min-width:26em}tr[id] td{vertical-align:top}\
 th,td{padding:.25em .7em;text-align:right;border-bottom:1px solid #ddd}th{cursor:pointer;background:#f4f4f4}\
-td.w,th.w{text-align:left}tr.found td{background:#fff3e0}.bad{fill:#d32f2f}.ok{fill:#1565c0}\
+td.w,th.w{text-align:left}td.w:first-child,td[data-v]{white-space:nowrap}tr.found td{background:#fff3e0}.bad{fill:#d32f2f}.ok{fill:#1565c0}\
 svg{vertical-align:middle}:target{background:#ffff8d}.note{color:#666}";
 
 /// Sorts a table by the column that is clicked: by the number in `data-v` where there is one, else by the text.
