@@ -15,7 +15,9 @@ use rayon::prelude::*;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let words: Vec<String> = std::env::args().skip(1).collect();
-    let [folder, airframes, flights, sensor_scale, drift, rate, manoeuvres, exchanged @ ..] = words.as_slice() else {
+    let ([folder, airframes, flights, sensor_scale, drift, rate, manoeuvres], exchanged @ ([] | [_])) =
+        words.split_at(words.len().min(7))
+    else {
         return Err("expected: FOLDER AIRFRAMES FLIGHTS SENSOR_SCALE DRIFT RATE_HZ MANOEUVRES [EXCHANGES.csv]".into());
     };
     let (airframes, flights): (usize, usize) = (airframes.parse()?, flights.parse()?);
@@ -56,5 +58,6 @@ fn exchanges(file: &Path) -> Result<Vec<Exchange>, Box<dyn std::error::Error>> {
         let zero = zero_deg.parse::<f64>()?.to_radians();
         Ok(Exchange { airframe: airframe.parse()?, flight, channel: channel.to_owned(), scale: scale.parse()?, zero })
     };
-    text.lines().skip(1).filter(|line| !line.trim().is_empty()).map(row).collect()
+    let told = |line: &str| row(line).map_err(|error| format!("{}: `{line}`: {error}", file.display()).into());
+    text.lines().skip(1).filter(|line| !line.trim().is_empty()).map(told).collect()
 }

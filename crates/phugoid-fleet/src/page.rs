@@ -99,7 +99,7 @@ fn unused(page: &mut String, findings: &Findings) {
 
 /// What explains the drifts, the steps and the distances of the airframes.
 fn causes(page: &mut String, findings: &Findings) {
-    let unit = if findings.over == Over::Hours { "hour" } else { "flight" };
+    let unit = findings.over.unit();
     let mut lines = findings.airframes.iter().flat_map(|a| a.together.iter().map(move |t| (&a.name, t))).peekable();
     if lines.peek().is_none() {
         return;
@@ -124,7 +124,7 @@ fn causes(page: &mut String, findings: &Findings) {
 }
 
 fn row(page: &mut String, airframe: &str, course: &Course, over: Over, numbers: &BTreeMap<&str, usize>) {
-    let unit = if over == Over::Hours { "hour" } else { "flight" };
+    let unit = over.unit();
     let what = match (course.shape, course.drift, course.step) {
         (Shape::Drift, Some(drift), _) => {
             let part = 100.0 * drift.size / course.combined.value.abs();

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use phugoid_fleet::statistics::tell::{Airframe, Course, Findings, Over, Shape, tell};
+use phugoid_fleet::statistics::tell::{Airframe, Course, Findings, Shape, tell};
 use phugoid_fleet::store::Store;
 use phugoid_flight_data::output_file;
 
@@ -86,7 +86,7 @@ fn unused(findings: &Findings) -> Option<String> {
 }
 
 fn changes(findings: &Findings) -> Option<String> {
-    let unit = if findings.over == Over::Hours { "hour" } else { "flight" };
+    let unit = findings.over.unit();
     let mut table = Table::with_words(
         &["airframe", "parameter", "what", "size", "+- 2 sigma", "of the mean", "rate"],
         &[0, 1, 2, 3],
@@ -118,7 +118,7 @@ fn changes(findings: &Findings) -> Option<String> {
 
 /// The causes of what courses do; none where nothing was found that several parameters could tell.
 fn causes(findings: &Findings) -> Option<String> {
-    let unit = if findings.over == Over::Hours { "hour" } else { "flight" };
+    let unit = findings.over.unit();
     let mut table = Table::with_words(&["airframe", "what", "explained by, +- 2 sigma", "p"], &[0, 1, 2]);
     let mut any = false;
     for (airframe, together) in findings.airframes.iter().flat_map(|a| a.together.iter().map(move |t| (a, t))) {

@@ -26,13 +26,14 @@ pub fn student_two_sided(t: f64, freedom: f64) -> f64 {
 }
 
 /// Probability that chi squared of these degrees of freedom is larger than `chi_squared`; one where there are none, or where it is
-/// not positive. NaN stays NaN.
+/// not positive; zero where it is infinite. NaN stays NaN.
 ///
 /// ```
 /// use phugoid_fleet::statistics::distribution::chi_squared_above;
 /// // Tables: 18.307 for 10 degrees of freedom and 5 %, 6.635 for one and 1 %.
 /// assert!((chi_squared_above(18.307_038, 10.0) - 0.05).abs() < 1e-7);
 /// assert!((chi_squared_above(6.634_897, 1.0) - 0.01).abs() < 1e-7);
+/// assert_eq!(chi_squared_above(f64::INFINITY, 1.0), 0.0);
 /// ```
 pub fn chi_squared_above(chi_squared: f64, freedom: f64) -> f64 {
     if chi_squared.is_nan() {
@@ -40,6 +41,9 @@ pub fn chi_squared_above(chi_squared: f64, freedom: f64) -> f64 {
     }
     if freedom <= 0.0 || chi_squared <= 0.0 {
         return 1.0;
+    }
+    if chi_squared.is_infinite() {
+        return 0.0;
     }
     let (a, x) = (0.5 * freedom, 0.5 * chi_squared);
     let front = libm::exp(a * libm::log(x) - x - libm::lgamma(a));

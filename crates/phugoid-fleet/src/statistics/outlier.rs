@@ -3,7 +3,7 @@
 use phugoid_flight_data::statistics::median;
 
 use super::course::{Combined, Fit, Observation};
-use super::distribution::{normal_two_sided, student_two_sided};
+use super::distribution::{chi_squared_above, normal_two_sided, student_two_sided};
 
 /// How far one lies from the others.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
@@ -40,7 +40,7 @@ pub fn airframes(combined: &[Combined]) -> Option<Vec<Apart>> {
         let chi_squared: f64 = each().map(|other| weight(other) * (other.value - mean).powi(2)).sum();
         let distance = c.value - mean;
         let claimed = distance / (variance(c) + 1.0 / others).sqrt();
-        if !is_beyond_chance(chi_squared, freedom) {
+        if chi_squared_above(chi_squared, freedom) >= 0.05 {
             return Apart { distance, sigmas: claimed, p_value: normal_two_sided(claimed) };
         }
         sizes.clear();
@@ -51,12 +51,6 @@ pub fn airframes(combined: &[Combined]) -> Option<Vec<Apart>> {
         Apart { distance, sigmas, p_value: student_two_sided(sigmas, freedom) }
     };
     Some(combined.iter().enumerate().map(|(own, c)| of_one(own, c)).collect())
-}
-
-/// Whether chi squared of so many degrees of freedom is as large in less than 5 % (Wilson and Hilferty 1931).
-fn is_beyond_chance(chi_squared: f64, freedom: f64) -> bool {
-    let spread = 2.0 / (9.0 * freedom);
-    (libm::cbrt(chi_squared / freedom) - (1.0 - spread)) / spread.sqrt() > 1.645
 }
 
 /// How far each flight lies from the course that the other flights of its airframe make; `None` where too few are left.

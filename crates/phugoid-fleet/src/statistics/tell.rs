@@ -46,6 +46,16 @@ pub enum Over {
     Hours,
 }
 
+impl Over {
+    /// What one step of a course is called: `flight`, `hour`.
+    pub const fn unit(self) -> &'static str {
+        match self {
+            Self::Flights => "flight",
+            Self::Hours => "hour",
+        }
+    }
+}
+
 /// Why the store tells nothing.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum TellError {
