@@ -349,18 +349,28 @@ fn explained(asked: &[Asked], covariance: &DMatrix<f64>, cause: Cause, x: &DMatr
 impl Explanation {
     /// Cause and size, with two sigma: `flow angles: +1.7 +- 0.2 declared standard uncertainties`.
     pub fn words(&self) -> String {
-        let size = |unit: &str| format!("{:+.2} +- {:.2} {unit}", self.size, 2.0 * self.std_error);
+        let size = |unit: &str| format!("{} {unit}", with_bound(self.size, 2.0 * self.std_error));
         match &self.cause {
             Cause::Parameter(name) => format!("{name} alone, {:+.2e} +- {:.0e}", self.size, 2.0 * self.std_error),
             Cause::Quantity(quantity) => format!("{}: {}", quantity.name(), size("declared standard uncertainties")),
             Cause::Vane => format!(
-                "flow angles: scale {}, zero {:+.2} +- {:.2} deg",
+                "flow angles: scale {}, zero {} deg",
                 size("declared standard uncertainties"),
-                self.zero_rad.unwrap_or(f64::NAN).to_degrees(),
-                2.0 * self.zero_std_rad.unwrap_or(f64::NAN).to_degrees()
+                with_bound(
+                    self.zero_rad.unwrap_or(f64::NAN).to_degrees(),
+                    2.0 * self.zero_std_rad.unwrap_or(f64::NAN).to_degrees()
+                )
             ),
         }
     }
+}
+
+/// A value with its bound: two decimals, and more where the bound is so small that two would show none of it, as those of a drift
+/// in a flight are.
+fn with_bound(value: f64, bound: f64) -> String {
+    let digits = (1.0 - libm::log10(bound).floor()).clamp(2.0, 9.0);
+    let digits = if digits.is_nan() { 2 } else { digits as usize };
+    format!("{value:+.digits$} +- {bound:.digits$}")
 }
 
 impl Together {
@@ -392,6 +402,15 @@ mod tests {
     use crate::statistics::tell::{Question, tell};
     use rand::SeedableRng;
     use rand_pcg::Pcg64Mcg;
+
+    #[test]
+    fn a_bound_is_shown_with_as_many_digits_as_it_needs() {
+        assert_eq!(with_bound(2.034, 0.571), "+2.03 +- 0.57");
+        assert_eq!(with_bound(-12.0, 43.21), "-12.00 +- 43.21");
+        assert_eq!(with_bound(-0.000_412, 0.000_038), "-0.000412 +- 0.000038");
+        assert_eq!(with_bound(0.5, f64::NAN), "+0.50 +- NaN");
+        assert_eq!(with_bound(0.5, 0.0), "+0.500000000 +- 0.000000000");
+    }
 
     /// Name, value, random part of a flight, and what one sigma of the scale of the flow angles (3 %), of the airspeed (1.5 %) and of
     /// the inertia (6 %) does: by the powers of each in a derivative.

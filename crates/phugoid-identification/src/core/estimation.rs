@@ -442,7 +442,8 @@ impl ChangeOutcome {
 pub struct ChangedParameter {
     /// Its name.
     pub name: String,
-    /// The estimate before the change was suspected, in the parameter's unit.
+    /// The estimate before the change, in the parameter's unit: one second before it was suspected in flight, since a filter learns from
+    /// the changed aircraft until then; of the last sample before it where it was given or found afterwards.
     pub before: f64,
     /// Its corrected standard error.
     pub before_std: f64,

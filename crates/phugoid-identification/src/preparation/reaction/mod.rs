@@ -21,6 +21,9 @@ use equation::{Equation, late};
 const PITCH: [&str; 5] = ["true_airspeed", "alpha", "q", "elevator", "az"];
 /// Channels of the rolling and the yawing moment.
 const ROLL_AND_YAW: [&str; 6] = ["true_airspeed", "beta", "p", "r", "aileron", "rudder"];
+/// A surface that moves by less than this about its mean, rad, stands still: single precision, in which recorders keep a position,
+/// has steps of 1e-9 rad at half a degree. What is left of a constant is the rounding of its mean, which no aircraft reacts to.
+const STILL: f64 = 1e-9;
 
 /// When the surfaces of a flight were recorded; those of which the flight says it.
 pub(crate) fn surfaces<M: Motion<N, R>, const N: usize, const R: usize>(
@@ -82,6 +85,9 @@ fn time_of(
     causes: Vec<Vec<f64>>,
     surface: &[f64],
 ) -> Option<SurfaceDelay> {
+    if surface.iter().all(|value| value.abs() < STILL) {
+        return None;
+    }
     let step_s = channels.step_s()?;
     let equation = Equation { time_s: &channels.time_s, step_s, rate, causes, surface };
     let (late_s, std_s) = late(&equation)?;
@@ -92,4 +98,23 @@ fn time_of(
 fn about_mean(values: &[f64]) -> Vec<f64> {
     let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
     values.iter().map(|value| value - mean).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_surface_that_stands_still_has_no_time() {
+        // The pitching of a lateral flight, and an elevator at the deflection of trim: the mean of 2000 of them is not the same
+        // number as each, to the last digit, and the dynamic pressure is not constant.
+        let time_s: Vec<f64> = (0..2000).map(|k| 0.01 * f64::from(k)).collect();
+        let of = |signal: &dyn Fn(f64) -> f64| time_s.iter().map(|t| signal(*t)).collect::<Vec<f64>>();
+        let speed = of(&|t| 206.0 + (0.4 * t).sin() + 0.3 * (3.1 * t).cos());
+        let (alpha, q) = (of(&|t| 0.041 + 0.004 * (1.3 * t).sin()), of(&|t| 0.006 * (1.3 * t + 0.4).cos()));
+        let elevator = vec![-0.034_252_802_430_439; 2000];
+        assert!(about_mean(&elevator)[0] != 0.0, "the mean is rounded");
+        let channels = Channels::for_tests(time_s, vec![speed, alpha, q, elevator]);
+        assert!(super::elevator(&channels).is_none());
+    }
 }
