@@ -45,6 +45,11 @@ fn main() -> Result<(), Failure> {
     let (airframes, flights): (usize, usize) = (airframes.parse()?, flights.parse()?);
     let (fewest, most) = manoeuvres.split_once('-').unwrap_or((manoeuvres, manoeuvres));
     let (fewest, most): (f64, f64) = (fewest.parse()?, most.parse()?);
+    if !(1.0 <= fewest && fewest <= most && most.is_finite()) {
+        return Err(
+            format!("`{manoeuvres}`: expected the number of manoeuvres, 1 or more, or two in order, `1-8`").into()
+        );
+    }
     let formats: &[Format] = match *named.get("format").unwrap_or(&"csv") {
         "csv" => &[Format::Csv],
         "ulog" => &[Format::Ulog],
@@ -53,6 +58,9 @@ fn main() -> Result<(), Failure> {
         other => return Err(format!("`format={other}`: expected csv, ulog, dataflash or all").into()),
     };
     let spoilt: f64 = named.get("spoilt").unwrap_or(&"0").parse()?;
+    if !(0.0..=1.0).contains(&spoilt) {
+        return Err(format!("`spoilt={spoilt}`: expected a part of the logs, from 0 to 1").into());
+    }
     let exchanges = named.get("exchanges").map(|file| exchanges(Path::new(file))).transpose()?.unwrap_or_default();
     let fleet = SimulatedFleet {
         seed: 1,
