@@ -33,13 +33,11 @@ pub(super) struct Changes {
 impl Changes {
     /// Takes an estimate as it is shown, of which `columns` are in use. `opens` is what an adopted change has opened.
     pub(super) fn look<const P: usize>(&mut self, estimate: &Estimate<P>, time_s: f64, columns: usize, opens: Opens) {
-        let now = || -> Values {
-            estimate.parameters[..columns]
-                .iter()
-                .zip(&estimate.corrected_std_error[..columns])
-                .map(|(value, std)| [*value, *std])
-                .collect()
+        let values = || {
+            let errors = &estimate.corrected_std_error[..columns];
+            estimate.parameters[..columns].iter().zip(errors).map(|(value, std)| [*value, *std])
         };
+        let now = || -> Values { values().collect() };
         match estimate.status.change {
             ChangeState::Adopted => {
                 // A given change was not suspected: the values of the sample before it are those before it.
@@ -66,8 +64,7 @@ impl Changes {
         if matches!(estimate.status.change, ChangeState::Steady | ChangeState::OnProbation) {
             self.before_suspicion = None;
             self.undoubted.clear();
-            let values = estimate.parameters[..columns].iter().zip(&estimate.corrected_std_error[..columns]);
-            self.undoubted.extend(values.map(|(value, std)| [*value, *std]));
+            self.undoubted.extend(values());
             self.remember(time_s);
         }
     }
