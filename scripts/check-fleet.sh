@@ -10,5 +10,5 @@ scripts/optional.py test phugoid-fleet
 PHUGOID_FLEET_STORES=$(mktemp -d)
 export PHUGOID_FLEET_STORES
 trap 'rm -rf "$PHUGOID_FLEET_STORES"' EXIT
-scripts/optional.py test phugoid-cli fleet::
+scripts/optional.py test phugoid-cli fleet:: kept_runs::
 target/python/bin/python scripts/ask-fleet.py docs/fleet.md "$PHUGOID_FLEET_STORES/fleet" "$PHUGOID_FLEET_STORES/study"

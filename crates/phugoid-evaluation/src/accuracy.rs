@@ -11,10 +11,11 @@ use phugoid_identification::motion::{Motion, MotionModel};
 use phugoid_identification::output::Output;
 use phugoid_identification::prepare::{Prepared, prepare};
 use phugoid_identification::six::SixModel;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::cramer_rao::{Between, Bound, CramerRaoError, Experiment, Knowledge};
-use crate::monte_carlo::{Accuracy, Outcome, monte_carlo};
+use crate::ledger::{Ledger, LedgerError, recorded};
+use crate::monte_carlo::{Accuracy, Outcome};
 use phugoid_simulation::flight::{Flight, FlightError, fly, sense};
 use phugoid_simulation::scenario::Scenario;
 
@@ -62,6 +63,9 @@ pub enum StudyError {
     /// The study does not fit the model.
     #[error("{0}")]
     Unsuitable(String),
+    /// What is kept of the study cannot be read or written.
+    #[error(transparent)]
+    Ledger(#[from] LedgerError),
 }
 
 impl StudyError {
@@ -72,7 +76,8 @@ impl StudyError {
 }
 
 /// Flies `scenario` once, measures it `runs` times and estimates each measured flight with `model` and `options` (whose
-/// truth is the flight's); compares with the truth and the Cramer-Rao bound at the times `at` (s). `done` is called after each run, from any thread.
+/// truth is the flight's); compares with the truth and the Cramer-Rao bound at the times `at` (s). `ledger` is told of each run, from any
+/// thread, and may keep its estimates; it has to know the scenario and the model.
 ///
 /// # Errors
 /// [`StudyError`]: the scenario cannot be flown, the model does not fit it, the bound does not exist.
@@ -82,20 +87,23 @@ pub fn accuracy(
     options: &EstimateOptions,
     runs: usize,
     at: &[f64],
-    done: impl Fn() + Sync,
+    ledger: &dyn Ledger,
 ) -> Result<AccuracyStudy, StudyError> {
     let flight = fly(scenario)?;
     let bounds = bound(&flight, model, at)?;
     let options = EstimateOptions { truth: flight.true_parameters.clone(), ..options.clone() };
-    let results = monte_carlo(
+    let seed = |run: usize| scenario.seed.wrapping_add(run as u64);
+    let results = recorded(
         runs,
+        &format!("accuracy at {at:?} s, {options:?}"),
+        |run| format!("seed {}", seed(run)),
         |run| {
-            let measured = sense(&flight.truth, scenario, scenario.seed.wrapping_add(run as u64))?;
+            let measured = sense(&flight.truth, scenario, seed(run))?;
             let estimation = estimate(&measured, model, &options, &mut |_| {})?;
             let adopted = estimation.events.iter().any(|e| e.kind == EventKind::Adopted);
-            Ok::<_, StudyError>((outcomes(&estimation, at), adopted))
+            Ok::<_, StudyError>(Run { outcomes: outcomes(&estimation, at), adopted })
         },
-        done,
+        ledger,
     )?;
     let names: Vec<&str> = model.estimated().map(|p| p.name.as_str()).collect();
     let checkpoints = bounds
@@ -110,7 +118,7 @@ pub fn accuracy(
                 .enumerate()
                 .map(|(j, (cramer_rao, name))| {
                     let outcomes: Vec<Outcome> =
-                        results.iter().filter_map(|(o, _)| o.get(k)?.get(j)).copied().collect();
+                        results.iter().filter_map(|run| run.outcomes.get(k)?.get(j)).copied().collect();
                     let truth = flight.true_parameters.get(*name).copied().unwrap_or(0.0);
                     Accuracy::of(name, truth, *cramer_rao, &outcomes)
                 })
@@ -123,8 +131,17 @@ pub fn accuracy(
         method: options.method.unwrap_or(model.estimator.method).to_string(),
         runs,
         checkpoints,
-        runs_with_changes: results.iter().filter(|(_, adopted)| *adopted).count(),
+        runs_with_changes: results.iter().filter(|run| run.adopted).count(),
     })
+}
+
+/// What one run says.
+#[derive(Serialize, Deserialize)]
+struct Run {
+    /// By time and parameter.
+    outcomes: Vec<Vec<Outcome>>,
+    /// Whether a sudden change was believed to have happened.
+    adopted: bool,
 }
 
 /// Estimates at the last sample not after each of the times `at` (s), in the order of the parameters.

@@ -4,10 +4,10 @@
 use phugoid_identification::estimate::{EstimateOptions, estimate};
 use phugoid_identification::estimation::EventKind;
 use phugoid_identification::model_file::ModelFile;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::accuracy::StudyError;
-use crate::monte_carlo::monte_carlo;
+use crate::ledger::{Ledger, recorded};
 use crate::statistics::quantile;
 use phugoid_simulation::flight::fly;
 use phugoid_simulation::scenario::Scenario;
@@ -62,16 +62,19 @@ pub struct DamageStudy {
 }
 
 /// What one run says.
+#[derive(Serialize, Deserialize)]
 struct Run {
     latency_s: Option<f64>,
     false_alarms: usize,
     extra_changes: usize,
     /// Error and claimed standard error per time and parameter.
+    #[serde(with = "crate::exact")]
     errors: Vec<Vec<(f64, f64)>>,
 }
 
 /// Flies `scenario`, whose last damage is the one in question, `runs` times with other sensor noise and another pilot, and
-/// estimates each flight. The accuracy is given at the times `after` the damage (s).
+/// estimates each flight. The accuracy is given at the times `after` the damage (s). `ledger` is told of each run, from any thread, and
+/// may keep what it says; it has to know the scenario and the model.
 ///
 /// # Errors
 /// [`StudyError`]: the scenario has no damage, cannot be flown, or the model does not fit it.
@@ -80,15 +83,16 @@ pub fn damage(
     model: &ModelFile,
     runs: usize,
     after: &[f64],
-    done: impl Fn() + Sync,
+    ledger: &dyn Ledger,
 ) -> Result<DamageStudy, StudyError> {
     let Some(damage_at_s) = scenario.damage.last().map(|d| d.at.si()) else {
         return Err(StudyError::Unsuitable(format!("{}: no [[damage]] in this scenario", scenario.name)));
     };
     let truth = fly(scenario)?.true_parameters;
     let names: Vec<&str> = model.estimated().filter(|p| !p.is_nuisance()).map(|p| p.name.as_str()).collect();
+    let seed = |run: usize| scenario.seed.wrapping_add(run as u64);
     let one_run = |run: usize| -> Result<Run, StudyError> {
-        let scenario = Scenario { seed: scenario.seed.wrapping_add(run as u64), ..scenario.clone() };
+        let scenario = Scenario { seed: seed(run), ..scenario.clone() };
         let flight = fly(&scenario)?;
         let estimation = estimate(&flight.measured, model, &EstimateOptions::causal(), &mut |_| {})?;
         let adopted: Vec<f64> =
@@ -114,7 +118,8 @@ pub fn damage(
         let extra_changes = adopted.len().saturating_sub(false_alarms + 1);
         Ok(Run { latency_s, false_alarms, extra_changes, errors })
     };
-    let results = monte_carlo(runs, one_run, done)?;
+    let inputs = format!("damage, {after:?} s after it");
+    let results = recorded(runs, &inputs, |run| format!("seed {}", seed(run)), one_run, ledger)?;
     let latencies: Vec<f64> = results.iter().map(|r| r.latency_s.unwrap_or(f64::INFINITY)).collect();
     let recovery = after
         .iter()

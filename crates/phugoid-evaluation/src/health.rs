@@ -10,10 +10,10 @@ use phugoid_identification::model_file::ModelFile;
 use phugoid_identification::monitor::monitor;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::accuracy::StudyError;
-use crate::monte_carlo::monte_carlo;
+use crate::ledger::{Ledger, recorded};
 use crate::statistics::{clopper_pearson, quantile};
 use phugoid_simulation::flight::fly;
 use phugoid_simulation::manoeuvre::{Manoeuvre, Surface};
@@ -94,7 +94,39 @@ pub struct FailureStudy {
     pub wrongly_named: usize,
 }
 
-/// Flies the healthy scenario `runs` times.
+/// What a healthy flight says.
+#[derive(Serialize, Deserialize)]
+struct Watched {
+    #[serde(with = "crate::exact")]
+    evidence: f64,
+    is_called_healthy: bool,
+}
+
+/// What a flight with a failure says.
+#[derive(Serialize, Deserialize)]
+struct Failing {
+    onset_s: f64,
+    /// The coefficients that failed.
+    failed: Vec<String>,
+    found: Option<Found>,
+}
+
+/// The failure as the monitor reports it.
+#[derive(Serialize, Deserialize)]
+struct Found {
+    flagged_at_s: f64,
+    onset_s: Option<f64>,
+    onset_interval_s: Option<[f64; 2]>,
+    parameters: Vec<String>,
+}
+
+/// The name of a run among those of a study.
+fn seed_of(scenario: &Scenario, run: usize) -> String {
+    format!("seed {}", scenario.seed.wrapping_add(run as u64))
+}
+
+/// Flies the healthy scenario `runs` times. `ledger` is told of each flight, from any thread, and may keep what the monitor says; it has
+/// to know the scenario and the model.
 ///
 /// # Errors
 /// [`StudyError`]: the scenario cannot be flown, or the model does not fit it.
@@ -102,9 +134,13 @@ pub fn healthy(
     scenario: &Scenario,
     model: &ModelFile,
     runs: usize,
-    done: impl Fn() + Sync,
+    ledger: &dyn Ledger,
 ) -> Result<HealthyStudy, StudyError> {
-    let results = monte_carlo(runs, |run| watch(&aircraft(scenario, model, run), model, RATES[0]), done)?;
+    let one = |run: usize| -> Result<Watched, StudyError> {
+        let report = watch(&aircraft(scenario, model, run), model, RATES[0])?;
+        Ok(Watched { evidence: report.evidence, is_called_healthy: report.condition == Condition::Healthy })
+    };
+    let results = recorded(runs, "health of healthy aircraft", |run| seed_of(scenario, run), one, ledger)?;
     let monitored_h = (scenario.duration.si() - SETTLE_S) / 3600.0;
     let false_alarms = RATES
         .iter()
@@ -118,7 +154,7 @@ pub fn healthy(
             }
         })
         .collect();
-    let called_healthy = results.iter().filter(|r| r.condition == Condition::Healthy).count();
+    let called_healthy = results.iter().filter(|r| r.is_called_healthy).count();
     Ok(HealthyStudy { runs, hours: monitored_h * runs as f64, false_alarms, called_healthy })
 }
 
@@ -131,17 +167,24 @@ pub fn failures(
     model: &ModelFile,
     stick: Stick,
     runs: usize,
-    done: impl Fn() + Sync,
+    ledger: &dyn Ledger,
 ) -> Result<FailureStudy, StudyError> {
-    let one = |run: usize| -> Result<(f64, Vec<String>, HealthReport), StudyError> {
+    let one = |run: usize| -> Result<Failing, StudyError> {
         let (flight, onset_s, failed) = failing(scenario, model, stick, run);
-        Ok((onset_s, failed, watch(&flight, model, RATES[0])?))
+        let found = watch(&flight, model, RATES[0])?.failure.map(|failure| Found {
+            flagged_at_s: failure.flagged_at_s,
+            onset_s: failure.onset_s,
+            onset_interval_s: failure.onset_interval_s,
+            parameters: failure.parameters,
+        });
+        Ok(Failing { onset_s, failed, found })
     };
-    let results = monte_carlo(runs, one, done)?;
+    let inputs = format!("health of failing aircraft, {stick:?}");
+    let results = recorded(runs, &inputs, |run| seed_of(scenario, run), one, ledger)?;
     let (mut latencies, mut errors, mut widths) = (Vec::new(), Vec::new(), Vec::new());
     let (mut false_alarms, mut missed, mut covered, mut all, mut named, mut wrongly) = (0, 0, 0, 0, 0, 0);
-    for (onset_s, failed, report) in &results {
-        let Some(failure) = &report.failure else {
+    for Failing { onset_s, failed, found } in &results {
+        let Some(failure) = found else {
             missed += 1;
             continue;
         };

@@ -75,11 +75,13 @@ pub struct Accuracy {
 }
 
 /// What one run gave for one parameter.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Outcome {
     /// Estimate of the parameter, in its unit.
+    #[serde(with = "crate::exact")]
     pub value: f64,
     /// Claimed standard error, corrected for the colour of the residuals.
+    #[serde(with = "crate::exact")]
     pub corrected_std_error: f64,
 }
 

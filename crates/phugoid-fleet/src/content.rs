@@ -1,4 +1,4 @@
-//! The content of what a model or a scenario names beside its own text: the files of an aircraft.
+//! The content of a model or a scenario with all that it names beside its own text: the files of an aircraft.
 //!
 //! A key has to change with everything that decides on a row. The text of a model file with a `base` says only where the aircraft
 //! is; an aircraft of JSBSim is a file that names further ones (engines, systems).
@@ -8,7 +8,21 @@ use std::path::{Path, PathBuf};
 use phugoid_aircraft::flown::{AircraftFile, FlownOptions};
 use phugoid_identification::model_file::ModelFile;
 
+use crate::campaign::unit::{NamedFiles, source_sha256};
 use crate::key::{hash, hash_file, key};
+
+/// SHA-256 of a file in TOML with the content of every file that it names: of a scenario, a case, an entry of the arena, or a model.
+///
+/// # Errors
+/// What the operating system says.
+pub fn source_of(file: &Path) -> std::io::Result<String> {
+    let text = std::fs::read_to_string(file)?;
+    let folder = file.parent().unwrap_or(Path::new(""));
+    let of_file = source_sha256(&text, 0, folder, &mut NamedFiles::default());
+    // One that is no model has no `base`.
+    let base = ModelFile::open(file).map_or_else(|_| Vec::new(), |model| base_hashes(&model));
+    Ok(model_sha256(&of_file, &base))
+}
 
 /// SHA-256 of what a model file says: of its text, and if it has a `base` with files, of these as well, as [`base_hashes`] gives them.
 pub(crate) fn model_sha256(text: &str, base: &[String]) -> String {

@@ -2,7 +2,7 @@
 #![cfg_attr(not(test), deny(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
 pub mod campaign;
-mod content;
+pub mod content;
 pub mod key;
 pub mod logs;
 pub mod page;
@@ -17,4 +17,6 @@ pub mod source;
 pub mod statistics;
 #[cfg(feature = "parquet")]
 pub mod store;
+#[cfg(feature = "parquet")]
+pub mod study;
 pub mod unit;

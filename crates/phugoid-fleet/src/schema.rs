@@ -19,6 +19,7 @@ use phugoid_identification::estimation::UncertainQuantity;
 use crate::logs::LogRow;
 use crate::row::{Row, SCHEMA};
 use crate::store::StoreError;
+use crate::study::RunRow;
 
 /// How one column is taken from a row and put into one.
 enum Column<R> {
@@ -125,6 +126,25 @@ impl Stored for LogRow {
             column!(word airframe),
             column!(number flight),
             column!(number hours),
+        ]
+    }
+
+    fn budget(&self, _: usize) -> Option<f64> {
+        None
+    }
+
+    fn set_budget(&mut self, _: usize, _: Option<f64>) {}
+}
+
+impl Stored for RunRow {
+    fn columns() -> Vec<(String, ColumnOf<Self>)> {
+        vec![
+            column!(word key),
+            column!(word study),
+            column!(word version),
+            column!(word inputs),
+            column!(word run),
+            column!(word result),
         ]
     }
 

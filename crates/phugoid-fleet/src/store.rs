@@ -8,6 +8,7 @@
 //!   estimates/source=log/model_hash=<12 digits>/part=<2 digits>/<key>.parquet     the rows
 //!   logs/part=<2 digits>/<hash of the log>.parquet                         where the log stands and whose flight it is
 //!   models/<hash of the model>.toml                                        the text of each model
+//!   runs/study=<name>/part=<2 digits>/<key>.parquet                        a run of a study
 //!   again/<key>                                                            units to be tried again
 //! ```
 
@@ -19,6 +20,7 @@ use phugoid_flight_data::output_file;
 use crate::logs::LogRow;
 use crate::row::{Row, SCHEMA, STORE_MARK};
 use crate::schema;
+use crate::study::RunRow;
 
 /// Why the store cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -229,6 +231,37 @@ impl Store {
         schema::write(std::slice::from_ref(log), &file)
     }
 
+    fn place_of_run(&self, study: &str, key: &str) -> PathBuf {
+        let part = key.get(..2).unwrap_or(key);
+        self.folder
+            .join("runs")
+            .join(format!("study={study}"))
+            .join(format!("part={part}"))
+            .join(format!("{key}.parquet"))
+    }
+
+    /// A run of a study, if it is there.
+    ///
+    /// # Errors
+    /// [`StoreError::Read`].
+    pub fn run(&self, study: &str, key: &str) -> Result<Option<RunRow>, StoreError> {
+        let file = self.place_of_run(study, key);
+        match file.exists() {
+            true => Ok(schema::read::<RunRow>(&file)?.pop()),
+            false => Ok(None),
+        }
+    }
+
+    /// Keeps a run of a study.
+    ///
+    /// # Errors
+    /// [`StoreError::Write`].
+    pub fn write_run(&self, row: &RunRow) -> Result<(), StoreError> {
+        let file = self.place_of_run(&row.study, &row.key);
+        make_folder_of(&file)?;
+        schema::write(std::slice::from_ref(row), &file)
+    }
+
     /// All rows, in the order of their keys.
     ///
     /// # Errors
@@ -261,7 +294,7 @@ impl Store {
 
     /// Every folder of the store.
     fn folders(&self) -> Vec<PathBuf> {
-        let names = ["estimates", "logs", "models", "again"];
+        let names = ["estimates", "logs", "models", "runs", "again"];
         names.iter().flat_map(|name| below(&self.folder.join(name))).chain([self.folder.clone()]).collect()
     }
 

@@ -11,13 +11,13 @@ use phugoid_simulation::scenario::{Damage, Failure, FailureKind, Scenario, Spect
 use rand::{RngExt, SeedableRng};
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// When everything happens, s: before it the estimator has learnt the healthy aircraft.
 pub const DAMAGE_AT_S: f64 = 10.0;
 
 /// What is damaged.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Class {
     /// Static stability and damping in pitch.

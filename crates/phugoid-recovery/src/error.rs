@@ -1,5 +1,6 @@
 //! Why a flight in closed loop could not be made.
 
+use phugoid_evaluation::ledger::LedgerError;
 use phugoid_flight_dynamics::sensors::SensorError;
 use phugoid_identification::error::EstimateError;
 use phugoid_simulation::flight::FlightError;
@@ -20,6 +21,9 @@ pub enum RecoveryError {
     /// The estimator cannot be set up, or cannot go on.
     #[error(transparent)]
     Estimate(#[from] EstimateError),
+    /// What is kept of a study cannot be read or written.
+    #[error(transparent)]
+    Ledger(#[from] LedgerError),
     /// No gains for the undamaged aircraft.
     #[error("no gains can be placed for the undamaged aircraft: its linear model has numbers that are not finite")]
     NoGains,

@@ -1,12 +1,12 @@
 //! How many damages are recovered with which control.
 
 use phugoid_control::qualities::Level;
-use phugoid_evaluation::monte_carlo::monte_carlo;
+use phugoid_evaluation::ledger::{Ledger, recorded};
 use phugoid_evaluation::statistics::quantile;
 use phugoid_identification::model_file::ModelFile;
 use phugoid_simulation::flight::trimmed_aircraft;
 use phugoid_simulation::scenario::Scenario;
-use serde::Serialize;
+use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::draw::{Class, DAMAGE_AT_S, classes, damaged};
 use crate::flight::{Control, Kind, RecoveryError, RecoveryFlight, Settings, fly};
@@ -68,7 +68,7 @@ pub struct RecoveryStudy {
 }
 
 /// One flight in short.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Short {
     /// Seed of the damage.
     pub seed: u64,
@@ -91,8 +91,16 @@ pub struct Short {
     /// The level of the motion that the last estimate gives, as [`level`](Self::level) is that of the true motion; none without an estimate
     /// or after a departure.
     pub estimated_level: Option<Level>,
-    /// Differences of the trim positions of the surfaces in use from the true ones, in standard errors.
+    /// Differences of the trim positions of the surfaces in use from the true ones, in standard errors; not a number where the
+    /// estimate claims none.
+    #[serde(deserialize_with = "with_nulls")]
     pub margin_errors: Vec<f64>,
+}
+
+/// JSON has `null` for a number that is none.
+fn with_nulls<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<f64>, D::Error> {
+    let numbers = Vec::<Option<f64>>::deserialize(deserializer)?;
+    Ok(numbers.into_iter().map(|number| number.unwrap_or(f64::NAN)).collect())
 }
 
 impl Short {
@@ -102,7 +110,8 @@ impl Short {
 }
 
 /// Flies `damages` random damages ([`classes`]), each with every control. Settings but for the control are those
-/// given.
+/// given. `ledger` is told of each damage, from any thread, and may keep the flights with it; it has to know the scenario and the
+/// model.
 ///
 /// # Errors
 /// [`RecoveryError`]: the base scenario cannot be flown, or the model does not fit it.
@@ -112,7 +121,7 @@ pub fn recovery(
     settings: &Settings,
     damages: usize,
     first_seed: u64,
-    done: impl Fn() + Sync,
+    ledger: &dyn Ledger,
 ) -> Result<RecoveryStudy, RecoveryError> {
     let (aircraft, trim) = trimmed_aircraft(base)?;
     let one = |run: usize| -> Result<Vec<Short>, RecoveryError> {
@@ -142,7 +151,9 @@ pub fn recovery(
             })
             .collect()
     };
-    let flights = monte_carlo(damages, one, done)?;
+    // The class of a damage follows from its number, and what it is from its seed.
+    let name = |run: usize| format!("damage {run}, seed {}", first_seed.wrapping_add(run as u64));
+    let flights = recorded(damages, &format!("recovery: {settings:?}"), name, one, ledger)?;
     let all = std::iter::once(None).chain(Class::ALL.into_iter().map(Some));
     let rows = all.flat_map(|class| {
         let flights = &flights;

@@ -16,7 +16,7 @@ pub(super) const RUNS: usize = 40;
 /// # Errors
 /// As [`accuracy`].
 pub(super) fn repeated(case: &AircraftCase, model: &ModelFile, at: &[f64]) -> Result<AccuracyStudy, StudyError> {
-    accuracy(&case.scenario, model, &EstimateOptions::causal(), RUNS, at, || ())
+    accuracy(&case.scenario, model, &EstimateOptions::causal(), RUNS, at, &|| ())
 }
 
 /// Errors over the runs beside the Cramer-Rao bound, in percent of the truth.

@@ -52,7 +52,7 @@ pub fn compare_entries(
     let contestants: Vec<Contestant> = methods.iter().map(|method| Contestant::of(*method)).collect();
     let (done, all) = (AtomicUsize::new(0), (entries.len() * seeds).max(1) as f64);
     let step = || progress((1 + done.fetch_add(1, Ordering::Relaxed)) as f64 / all);
-    Ok(studies::compare(entries, &contestants, seeds, step)?)
+    Ok(studies::compare(entries, &contestants, seeds, &step)?)
 }
 
 /// A built-in scenario of the comparison by name, with what the methods are told of the aircraft: to be compared as it

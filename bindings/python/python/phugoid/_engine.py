@@ -13,7 +13,7 @@ _Result = TypeVar("_Result")
 
 #: How often Ray does a task again whose process has died: often enough for machines that come and go, and an end for work that
 #: kills its process each time.
-_RETRIES = 20
+RETRIES = 20
 
 
 def chunks(pieces: Sequence[_Piece], workers: int, most: int = 64) -> list[list[_Piece]]:
@@ -73,7 +73,7 @@ class Ray:
         """Each piece with its result, in the order in which they are done. A piece whose process died is done again, by another
         one; few are handed out before they are asked for, so that a cluster holds no list of a million."""
         ray = self._ray
-        task, common = ray.remote(max_retries=_RETRIES)(function), ray.put(shared)
+        task, common = ray.remote(max_retries=RETRIES)(function), ray.put(shared)
         waiting: dict[Any, _Piece] = {}
         rest = iter(pieces)
         while True:
@@ -88,7 +88,7 @@ class Ray:
             try:
                 result = ray.get(done)
             except ray.exceptions.WorkerCrashedError as error:
-                raise PhugoidError(f"its process died {_RETRIES + 1} times, for want of memory or killed: {piece!r}") from error
+                raise PhugoidError(f"its process died {RETRIES + 1} times, for want of memory or killed: {piece!r}") from error
             yield piece, result
 
     def close(self) -> None:

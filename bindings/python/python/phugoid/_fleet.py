@@ -7,13 +7,14 @@ import contextlib
 import functools
 import json
 import os
+import subprocess
 import tempfile
 import uuid
 from typing import Any, Callable, Iterable, Iterator, Optional, Sequence, Union
 
 from . import _phugoid
 from ._addresses import RemoteStore, content, is_address, names, on_this_machine
-from ._engine import chunks, engine as engine_of
+from ._engine import RETRIES, chunks, engine as engine_of
 from ._phugoid import PhugoidError
 from ._progress import reporter
 
@@ -144,6 +145,26 @@ def campaign(
     return summary
 
 
+def command_shards(
+    program: str, arguments: Sequence[str], folder: str, *, workers: int = 0, address: Optional[str] = None
+) -> dict[str, int]:
+    """Lets tasks of Ray make the runs of a command with ``--store``: what ``phugoid study``, ``compare`` and ``tune`` do with
+    ``--engine ray``. Each task is the program with ``--shard i/n`` on one core; there are four for each core, so that a machine that
+    joins finds some to begin.
+
+    ``program`` and ``folder``, the one in which ``arguments`` have a meaning, have to be there under the same path on all machines.
+
+    :return: the number of shards.
+    :raises PhugoidError: if a shard fails, with what it says.
+    """
+    with contextlib.closing(engine_of("ray", workers, address)) as run:
+        count = 4 * run.workers
+        shards = [f"{number}/{count}" for number in range(1, count + 1)]
+        for _ in run.each(_help, (program, list(arguments), folder), shards):
+            pass
+    return {"shards": count}
+
+
 def fleet_tell(
     store: Union[str, os.PathLike[str]],
     *,
@@ -236,6 +257,24 @@ def _estimate(shared: tuple[str, _Recipe], some: list[_Piece]) -> list[Optional[
         if here != place:
             RemoteStore(place).send(here, [name for _, _, earlier in some for name in earlier])
     return outcomes
+
+
+def _help(shared: tuple[str, list[str], str], shard: str) -> None:
+    """Makes the runs of a shard. A program that a signal has ended goes on from what is in the store.
+
+    :raises PhugoidError: if it ends with an error.
+    """
+    program, arguments, folder = shared
+    words = [program, *arguments, "--shard", shard]
+    for _ in range(RETRIES):
+        ended = subprocess.run(
+            words, cwd=folder, env={**os.environ, "RAYON_NUM_THREADS": "1"}, capture_output=True, text=True, check=False
+        )
+        if ended.returncode == 0:
+            return
+        if ended.returncode > 0:
+            raise PhugoidError(f"shard {shard} of `{' '.join(words)}` ended with {ended.returncode}: {ended.stderr.strip()}")
+    raise PhugoidError(f"shard {shard} of `{' '.join(words)}` was killed {RETRIES} times")
 
 
 def _fly(shared: tuple[str, str, str], block: tuple[int, str]) -> dict[str, int]:

@@ -7,6 +7,7 @@ use phugoid_simulation::quantity::Time;
 
 use super::delivery::PictureFormat;
 use super::help::examples_and_exit_codes;
+use super::keeping::Keeping;
 
 /// Runs several estimators on the same simulated flights and compares their errors, bounds and speed of convergence
 #[derive(Debug, Args)]
@@ -51,4 +52,6 @@ pub(crate) struct Compare {
     /// Print one JSON document instead of text
     #[arg(long)]
     pub(crate) json: bool,
+    #[command(flatten)]
+    pub(crate) keeping: Keeping,
 }

@@ -6,6 +6,7 @@ use phugoid_simulation::quantity::Time;
 
 use super::delivery::Delivery;
 use super::help::examples_and_exit_codes;
+use super::keeping::Keeping;
 use super::method::method;
 
 /// Measures estimators on many simulated flights: errors against the Cramer-Rao bound, and detection of changes and
@@ -46,6 +47,8 @@ pub(crate) struct Study {
     pub(crate) at: Vec<Time>,
     #[command(flatten)]
     pub(crate) delivery: Delivery,
+    #[command(flatten)]
+    pub(crate) keeping: Keeping,
 }
 
 /// Built-in studies.

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 
 use super::help::examples_and_exit_codes;
+use super::keeping::Keeping;
 
 /// Chooses the settings of an estimator by a rule and by a search, and tests both on runs that the search does not use
 ///
@@ -57,6 +58,8 @@ pub(crate) struct Tune {
     /// Print one JSON document (SI units) instead of text
     #[arg(long)]
     pub(crate) json: bool,
+    #[command(flatten)]
+    pub(crate) keeping: Keeping,
 }
 
 /// Methods whose settings can be tuned.

@@ -3,13 +3,13 @@
 use phugoid_flight_data::output_file;
 use std::path::{Path, PathBuf};
 
-use phugoid::compare_entries;
-use phugoid_evaluation::arena::{self, Arena, Entry};
+use phugoid_evaluation::arena::{self, Arena, Contestant, Entry, compare};
 use phugoid_identification::estimate::Method;
 use phugoid_report::{Figure, arena_figures, arena_html};
 use rayon::prelude::*;
 use serde::Serialize;
 
+use super::runs::Runs;
 use crate::arguments::{self, PictureFormat};
 use crate::failure::Failure;
 use crate::output::{json, print};
@@ -33,9 +33,15 @@ pub(crate) fn run(arguments: &arguments::Compare) -> Result<(), Failure> {
     let entries = entries(arguments)?;
     let methods = methods(&arguments.methods)?;
     let seeds = arguments.seeds.unwrap_or(if arguments.quick { FEW_SEEDS } else { SEEDS }) as usize;
-    // Before the minutes that it may take, not after.
-    std::fs::create_dir_all(&arguments.out).map_err(|e| Failure::writing(&arguments.out, e))?;
-    let result = fly(&entries, &methods, seeds)?;
+    let is_part = arguments.keeping.is_part();
+    if !is_part {
+        // Before the minutes that it may take, not after.
+        std::fs::create_dir_all(&arguments.out).map_err(|e| Failure::writing(&arguments.out, e))?;
+    }
+    let result = fly(arguments, &entries, &methods, seeds)?;
+    if is_part {
+        return super::runs::helped();
+    }
     let written = {
         let _progress = Progress::spinner("drawing");
         write(arguments, &result)?
@@ -43,9 +49,14 @@ pub(crate) fn run(arguments: &arguments::Compare) -> Result<(), Failure> {
     if arguments.json { print(&json(&result)?) } else { print(&text::text(&result, &written)) }
 }
 
-fn fly(entries: &[Entry], methods: &[Method], seeds: usize) -> Result<Arena, Failure> {
-    let progress = Progress::new("comparing");
-    Ok(compare_entries(entries, methods, seeds, &|done| progress.set(done))?)
+fn fly(arguments: &arguments::Compare, entries: &[Entry], methods: &[Method], seeds: usize) -> Result<Arena, Failure> {
+    let contestants: Vec<Contestant> = methods.iter().map(|method| Contestant::of(*method)).collect();
+    // Runs are named by their entry; of those that are built in the version of this program says all.
+    let named = arguments.scenarios.iter().chain(&arguments.model).map(String::as_str);
+    let sources = named.filter(|word| Path::new(word).exists() || Some(*word) == arguments.model.as_deref()).collect();
+    let runs = Runs { what: "comparing", study: "compare", count: entries.len() * seeds, sources };
+    let ledger = runs.ledger(&arguments.keeping)?;
+    compare(entries, &contestants, seeds, ledger.as_ref()).map_err(super::study::failure)
 }
 
 #[derive(Serialize)]

@@ -4,7 +4,8 @@ use std::fmt::Write as _;
 
 use phugoid_evaluation::detection::{Air, DetectionStudy, Stick, detection, detection_flights};
 
-use super::study::with_progress;
+use super::study::with_ledger;
+use crate::arguments;
 use crate::failure::Failure;
 use crate::output::Table;
 
@@ -12,9 +13,10 @@ use crate::output::Table;
 /// them).
 const SEED: u64 = 8_000_000;
 
-pub(super) fn detected(runs: u32) -> Result<DetectionStudy, Failure> {
-    let flights = u32::try_from(detection_flights(runs as usize)).unwrap_or(u32::MAX);
-    with_progress(flights, |done| detection(runs as usize, SEED, done))
+pub(super) fn detected(arguments: &arguments::Study) -> Result<DetectionStudy, Failure> {
+    let runs = arguments.runs as usize;
+    let flights = u32::try_from(detection_flights(runs)).unwrap_or(u32::MAX);
+    with_ledger(arguments, flights, &[], |ledger| detection(runs, SEED, ledger))
 }
 
 fn seconds(s: f64) -> String {

@@ -107,6 +107,7 @@ pub(super) fn failure(error: RecoveryError) -> Failure {
         RecoveryError::Flight(error) => flight_failure(error),
         RecoveryError::Estimate(error) => error.into(),
         RecoveryError::NoGains => Failure::impossible(error),
+        RecoveryError::Ledger(_) => Failure::Output(error.to_string()),
         other => Failure::input(other),
     }
 }

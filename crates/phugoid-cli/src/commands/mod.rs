@@ -34,6 +34,7 @@ mod recovery;
 pub(crate) mod regress;
 pub(crate) mod reproduce;
 pub(crate) mod result;
+mod runs;
 mod screen;
 #[cfg(feature = "live")]
 mod server;

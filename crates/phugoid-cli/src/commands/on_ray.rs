@@ -13,8 +13,31 @@ const PROGRAM: &str = "import json, sys, phugoid
 request = json.load(sys.stdin)
 print(json.dumps(getattr(phugoid, request.pop('function'))(**request)))";
 
+/// Lets tasks of Ray make the runs of this command, each as one of its shards. They leave them in the store.
+pub(super) fn shards(address: Option<&str>) -> Result<(), Failure> {
+    let program = std::env::current_exe().map_err(|error| Failure::impossible(format!("--engine ray: {error}")))?;
+    let mut words = Vec::new();
+    let mut given = std::env::args_os().skip(1);
+    while let Some(word) = given.next() {
+        // The engine is that of this process, not of its shards.
+        match word.to_str() {
+            Some("--engine") => drop(given.next()),
+            Some(word) if word.starts_with("--engine=") => {}
+            Some(word) => words.push(word.to_owned()),
+            None => return Err(Failure::input(format!("--engine ray: `{}` is no text", word.display()))),
+        }
+    }
+    let folder = std::env::current_dir().map_err(|error| Failure::impossible(format!("--engine ray: {error}")))?;
+    let request = serde_json::json!({ "program": program, "arguments": words, "folder": folder, "address": address });
+    ask::<Value>("command_shards", request).map(drop)
+}
+
 /// Asks a function of the Python package (`fleet`, `campaign`), which takes what stands in the object `request` by name.
-pub(super) fn run(function: &str, mut request: Value) -> Result<Summary, Failure> {
+pub(super) fn run(function: &str, request: Value) -> Result<Summary, Failure> {
+    ask(function, request)
+}
+
+fn ask<T: serde::de::DeserializeOwned>(function: &str, mut request: Value) -> Result<T, Failure> {
     let python = std::env::var_os("PHUGOID_PYTHON").unwrap_or_else(|| "python3".into());
     request["function"] = function.into();
     let failed = |why: String| {

@@ -1,31 +1,31 @@
 //! The study of recoveries: `phugoid study recovery`.
 
 use std::fmt::Write as _;
-use std::sync::atomic::{AtomicU32, Ordering};
 
 use phugoid_recovery::flight::Settings;
 use phugoid_recovery::study::{RecoveryStudy, Row, recovery};
 
 use super::fly::failure;
+use super::runs::Runs;
 use crate::arguments;
 use crate::failure::Failure;
 use crate::output::Table;
-use crate::progress::Progress;
 
 /// Seed of the first damage where none is given: for judging. The numbers in docs/control.md that were used to choose settings are of
 /// seeds from 1000.
 const FIRST_SEED: u64 = 9_000_000;
 
 pub(super) fn recovered(arguments: &arguments::Study) -> Result<RecoveryStudy, Failure> {
-    let scenario = super::simulate::scenario(arguments.scenario.as_deref().unwrap_or("f16-recovery"))?;
-    let model = super::estimate::model(arguments.model.as_deref().unwrap_or("f16-recovery-model"))?;
+    let flown = arguments.scenario.as_deref().unwrap_or("f16-recovery");
+    let told = arguments.model.as_deref().unwrap_or("f16-recovery-model");
+    let (scenario, model) = (super::simulate::scenario(flown)?, super::estimate::model(told)?);
     let defaults = Settings::default();
     let settings = Settings { method: arguments.method.or(defaults.method), ..defaults };
-    let progress = Progress::new("flying");
-    let done = AtomicU32::new(0);
-    let runs = arguments.runs;
-    let step = || progress.set(f64::from(1 + done.fetch_add(1, Ordering::Relaxed)) / f64::from(runs));
-    recovery(&scenario, &model, &settings, runs as usize, arguments.seed.unwrap_or(FIRST_SEED), step).map_err(failure)
+    let damages = arguments.runs as usize;
+    let runs = Runs { what: "flying", study: "recovery", count: damages, sources: vec![flown, told] };
+    let ledger = runs.ledger(&arguments.keeping)?;
+    let first_seed = arguments.seed.unwrap_or(FIRST_SEED);
+    recovery(&scenario, &model, &settings, damages, first_seed, ledger.as_ref()).map_err(failure)
 }
 
 pub(super) fn recovery_text(study: &RecoveryStudy) -> String {

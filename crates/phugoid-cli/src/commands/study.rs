@@ -1,12 +1,14 @@
 //! `phugoid study`.
 
 use std::fmt::Write as _;
-use std::sync::atomic::{AtomicU32, Ordering};
 
+use clap::ValueEnum as _;
+use clap::builder::PossibleValue;
 use phugoid_evaluation::accuracy::{AccuracyStudy, StudyError, accuracy};
 use phugoid_evaluation::convergence::{ConvergenceStudy, convergence};
 use phugoid_evaluation::damage::{DamageStudy, damage};
 use phugoid_evaluation::health::{FailureStudy, HealthyStudy, Stick, failures, healthy};
+use phugoid_evaluation::ledger::Ledger;
 use phugoid_evaluation::published::{
     CALM_MODEL, CALM_SCENARIO, DAMAGE_MODEL, DAMAGE_SCENARIO, FAILURE_SCENARIO, HEALTH_MODEL, HEALTHY_SCENARIO,
     THESIS_DOUBLET, THESIS_MODEL, THESIS_SINE,
@@ -16,10 +18,10 @@ use phugoid_identification::model_file::ModelFile;
 use phugoid_simulation::scenario::Scenario;
 use serde::Serialize;
 
+use super::runs::Runs;
 use crate::arguments::{self, StudyName};
 use crate::failure::Failure;
 use crate::output::{Table, deliver, significant};
-use crate::progress::Progress;
 
 /// One short-period cycle (4.17 s; the 3-2-1-1 ends after 4.2 s) and two after the input starts at 0.5 s, and the end.
 const CHECKPOINTS_S: [f64; 3] = [0.5 + 4.2, 0.5 + 8.4, 20.0];
@@ -37,19 +39,18 @@ const RECOVERY_S: [f64; 4] = [1.0, 2.0, 4.2, 10.0];
 const TOLERANCE: f64 = 0.05;
 
 pub(crate) fn run(arguments: &arguments::Study) -> Result<(), Failure> {
-    let delivery = &arguments.delivery;
     match arguments.study {
         StudyName::CalmAir => {
             let scenario = Scenario::parse(CALM_SCENARIO, "f16-calm").map_err(Failure::input)?;
             let model = ModelFile::parse("f16-model", CALM_MODEL).map_err(Failure::input)?;
-            let study = accurate(&scenario, &model, arguments, &CHECKPOINTS_S)?;
-            deliver(&study, delivery.json, delivery.out.as_deref(), || accuracy_text(&study))
+            let study = accurate(&scenario, &model, arguments, &CHECKPOINTS_S, &["f16-calm", "f16-model"])?;
+            result(arguments, &study, accuracy_text)
         }
         StudyName::Lateral => built_in("f16-lateral", &LATERAL_CHECKPOINTS_S, arguments),
         StudyName::Six => built_in("f16-six", &SIX_CHECKPOINTS_S, arguments),
         StudyName::Accuracy => {
-            let scenario = super::simulate::scenario(arguments.scenario.as_deref().unwrap_or_default())?;
-            let model = super::estimate::model(arguments.model.as_deref().unwrap_or_default())?;
+            let words = [arguments.scenario.as_deref(), arguments.model.as_deref()].map(Option::unwrap_or_default);
+            let (scenario, model) = (super::simulate::scenario(words[0])?, super::estimate::model(words[1])?);
             let mut at: Vec<f64> = arguments.at.iter().map(|t| t.si()).collect();
             if at.is_empty() {
                 at.push(scenario.duration.si());
@@ -60,41 +61,37 @@ pub(crate) fn run(arguments: &arguments::Study) -> Result<(), Failure> {
                     "--at {outside} s lies outside the flight, which lasts {duration} s: choose a time in it"
                 )));
             }
-            let study = accurate(&scenario, &model, arguments, &at)?;
-            deliver(&study, delivery.json, delivery.out.as_deref(), || accuracy_text(&study))
+            let study = accurate(&scenario, &model, arguments, &at, &words)?;
+            result(arguments, &study, accuracy_text)
         }
-        StudyName::Damage => {
-            let study = damaged(arguments.runs)?;
-            deliver(&study, delivery.json, delivery.out.as_deref(), || damage_text(&study))
-        }
+        StudyName::Damage => result(arguments, &damaged(arguments)?, damage_text),
         StudyName::Detection => {
-            let study = super::detection::detected(arguments.runs)?;
-            deliver(&study, delivery.json, delivery.out.as_deref(), || super::detection::detection_text(&study))
+            result(arguments, &super::detection::detected(arguments)?, super::detection::detection_text)
         }
         StudyName::Recovery => {
-            let study = super::recovery::recovered(arguments)?;
-            deliver(&study, delivery.json, delivery.out.as_deref(), || super::recovery::recovery_text(&study))
+            result(arguments, &super::recovery::recovered(arguments)?, super::recovery::recovery_text)
         }
-        StudyName::Health => {
-            let study = health(arguments.runs)?;
-            deliver(&study, delivery.json, delivery.out.as_deref(), || health_text(&study))
-        }
+        StudyName::Health => result(arguments, &health(arguments)?, health_text),
         StudyName::ThesisSize => {
             let studies = [thesis_size(THESIS_DOUBLET)?, thesis_size(THESIS_SINE)?];
-            deliver(&studies, delivery.json, delivery.out.as_deref(), || {
-                studies.iter().map(convergence_text).collect::<Vec<_>>().join("\n")
-            })
+            result(arguments, &studies, |studies| studies.iter().map(convergence_text).collect::<Vec<_>>().join("\n"))
         }
     }
+}
+
+/// Prints the result, unless this process made its runs for others.
+fn result<S: Serialize>(arguments: &arguments::Study, study: &S, text: impl Fn(&S) -> String) -> Result<(), Failure> {
+    if arguments.keeping.is_part() {
+        return super::runs::helped();
+    }
+    deliver(study, arguments.delivery.json, arguments.delivery.out.as_deref(), || text(study))
 }
 
 /// Accuracy of the built-in model on the built-in scenario of the same name.
 fn built_in(name: &str, at: &[f64], arguments: &arguments::Study) -> Result<(), Failure> {
     let scenario = super::simulate::scenario(name)?;
     let model = super::estimate::model(name)?;
-    let study = accurate(&scenario, &model, arguments, at)?;
-    let delivery = &arguments.delivery;
-    deliver(&study, delivery.json, delivery.out.as_deref(), || accuracy_text(&study))
+    result(arguments, &accurate(&scenario, &model, arguments, at, &[name])?, accuracy_text)
 }
 
 /// The failure for a study that cannot be run: an input error, or a task without an answer.
@@ -103,17 +100,26 @@ pub(crate) fn failure(error: StudyError) -> Failure {
         StudyError::Flight(error) => super::simulate::failure(error),
         StudyError::Estimate(_) | StudyError::Unsuitable(_) => Failure::input(error),
         StudyError::CramerRao(_) => Failure::impossible(error),
+        StudyError::Ledger(_) => Failure::Output(error.to_string()),
     }
 }
 
-/// Runs a study with a progress bar; `study` calls the function that it is given after each run.
-pub(super) fn with_progress<T>(
+/// Makes the runs of a study with a bar, and with the store of `--store`. `sources` are the files and the names of what is built in
+/// that decide on them.
+pub(super) fn with_ledger<T>(
+    arguments: &arguments::Study,
     runs: u32,
-    study: impl FnOnce(&(dyn Fn() + Sync)) -> Result<T, StudyError>,
+    sources: &[&str],
+    study: impl FnOnce(&dyn Ledger) -> Result<T, StudyError>,
 ) -> Result<T, Failure> {
-    let progress = Progress::new("flying");
-    let done = AtomicU32::new(0);
-    study(&|| progress.set(f64::from(1 + done.fetch_add(1, Ordering::Relaxed)) / f64::from(runs))).map_err(failure)
+    let name = arguments.study.to_possible_value();
+    let runs = Runs {
+        what: "flying",
+        study: name.as_ref().map_or("study", PossibleValue::get_name),
+        count: runs as usize,
+        sources: sources.to_vec(),
+    };
+    study(runs.ledger(&arguments.keeping)?.as_ref()).map_err(failure)
 }
 
 fn accurate(
@@ -121,16 +127,18 @@ fn accurate(
     model: &ModelFile,
     arguments: &arguments::Study,
     at: &[f64],
+    sources: &[&str],
 ) -> Result<AccuracyStudy, Failure> {
     let options = EstimateOptions { method: arguments.method, ..EstimateOptions::causal() };
     let runs = arguments.runs;
-    with_progress(runs, |done| accuracy(scenario, model, &options, runs as usize, at, done))
+    with_ledger(arguments, runs, sources, |ledger| accuracy(scenario, model, &options, runs as usize, at, ledger))
 }
 
-fn damaged(runs: u32) -> Result<DamageStudy, Failure> {
+fn damaged(arguments: &arguments::Study) -> Result<DamageStudy, Failure> {
     let scenario = Scenario::parse(DAMAGE_SCENARIO, "f16-damage").map_err(Failure::input)?;
     let model = ModelFile::parse("f16-damage-model", DAMAGE_MODEL).map_err(Failure::input)?;
-    with_progress(runs, |done| damage(&scenario, &model, runs as usize, &RECOVERY_S, done))
+    let runs = arguments.runs;
+    with_ledger(arguments, runs, &[], |ledger| damage(&scenario, &model, runs as usize, &RECOVERY_S, ledger))
 }
 
 /// The study of the health monitor: false alarms and detected failures.
@@ -140,17 +148,17 @@ struct HealthStudies {
     failures: [FailureStudy; 2],
 }
 
-fn health(runs: u32) -> Result<HealthStudies, Failure> {
+fn health(arguments: &arguments::Study) -> Result<HealthStudies, Failure> {
     let read = |text, name: &str| Scenario::parse(text, name).map_err(Failure::input);
     let (flight, failing) = (read(HEALTHY_SCENARIO, "f16-healthy")?, read(FAILURE_SCENARIO, "f16-failure")?);
     let model = ModelFile::parse("f16-health-model", HEALTH_MODEL).map_err(Failure::input)?;
-    let runs_of = runs as usize;
-    with_progress(3 * runs, |done| {
+    let runs = arguments.runs as usize;
+    with_ledger(arguments, 3 * arguments.runs, &[], |ledger| {
         Ok(HealthStudies {
-            healthy: healthy(&flight, &model, runs_of, done)?,
+            healthy: healthy(&flight, &model, runs, ledger)?,
             failures: [
-                failures(&failing, &model, Stick::Pilot, runs_of, done)?,
-                failures(&failing, &model, Stick::Calm, runs_of, done)?,
+                failures(&failing, &model, Stick::Pilot, runs, ledger)?,
+                failures(&failing, &model, Stick::Calm, runs, ledger)?,
             ],
         })
     })

@@ -2,20 +2,19 @@
 
 use std::fmt::Write as _;
 use std::path::Path;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 use phugoid_evaluation::tune::state::StateError;
 use phugoid_evaluation::tune::{
-    Pair, Part, RunName, Score, Setting, TuneError, TuneOptions, Tuning, tune, write_settings,
+    Pair, Part, RunName, Score, Setting, TuneError, TuneOptions, Tuning, scores, tune, write_settings,
 };
 use phugoid_identification::model_file::ModelFile;
 use phugoid_thesis::tune::material::{Material, Method, prepare, read};
 use serde::Serialize;
 
+use super::runs::{Runs, bar};
 use crate::arguments::{self, TunedMethod};
 use crate::failure::Failure;
 use crate::output::{Table, json, print, significant};
-use crate::progress::Progress;
 
 #[derive(Serialize)]
 struct Document<'a> {
@@ -42,23 +41,26 @@ pub(crate) fn run(arguments: &arguments::Tune) -> Result<(), Failure> {
         ([], false) => training.clone(),
         (named, _) => materials(named.iter().map(String::as_str), model.as_ref())?,
     };
-    writable(&arguments.out)?;
+    let is_part = arguments.keeping.is_part();
+    if !is_part {
+        writable(&arguments.out)?;
+    }
     let runs = arguments.runs as usize;
-    let tunable = {
-        let progress = Progress::new("flying");
-        let (done, all) = (AtomicUsize::new(0), (training.len() + held_out.len()) * runs);
-        let count = || progress.set((1 + done.fetch_add(1, Ordering::Relaxed)) as f64 / all as f64);
-        prepare(method, &training, &held_out, runs, &count).map_err(failure)?
-    };
+    let flown = bar("flying", (training.len() + held_out.len()) * runs);
+    let tunable = prepare(method, &training, &held_out, runs, &flown).map_err(failure)?;
+    drop(flown);
     let options = TuneOptions {
         budget: if arguments.rule_only { 0 } else { arguments.budget as usize },
         seed: arguments.seed,
         state: arguments.state.clone(),
     };
-    let tuning = {
-        let progress = Progress::new("tuning");
-        tune(tunable.as_ref(), &options, &|done| progress.set(done)).map_err(failure)?
-    };
+    let sources = arguments.scenario.iter().chain(&arguments.hold_out).chain(&arguments.model).map(String::as_str);
+    let count = scores(tunable.as_ref(), &options);
+    let runs = Runs { what: "tuning", study: "tune", count, sources: sources.collect() };
+    let tuning = tune(tunable.as_ref(), &options, runs.ledger(&arguments.keeping)?.as_ref()).map_err(failure)?;
+    if is_part {
+        return super::runs::helped();
+    }
     write_settings(&tuning, &arguments.out).map_err(|e| Failure::writing(&arguments.out, e))?;
     let conclusion = tuning.held_out.as_ref().map(|comparison| comparison.sentence());
     if arguments.json {
@@ -82,7 +84,7 @@ fn materials<'a>(wanted: impl Iterator<Item = &'a str>, model: Option<&ModelFile
 fn failure(error: TuneError) -> Failure {
     match error {
         TuneError::Study(error) => super::study::failure(error),
-        TuneError::State(StateError::Unwritable { .. }) => Failure::Output(error.to_string()),
+        TuneError::State(StateError::Unwritable { .. }) | TuneError::Ledger(_) => Failure::Output(error.to_string()),
         _ => Failure::input(error),
     }
 }

@@ -1,16 +1,16 @@
 //! A fleet: killed and started again, in shards, on one thread and on two, the store is the same to the last bit.
 #![cfg(feature = "fleet")]
 
-use std::collections::BTreeMap;
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
-use std::time::{Duration, Instant};
+use std::path::Path;
+use std::process::Command;
+use std::time::Instant;
 
 use phugoid_fleet::simulated::{Drift, Exchange, SimulatedFleet};
 use phugoid_flight_data::csv;
 
 use crate::common::{Folder, phugoid};
+use crate::stores::{content, killed_until_it_ends};
 
 const AIRFRAMES: usize = 3;
 const FLIGHTS: usize = 4;
@@ -48,44 +48,6 @@ fn logs(folder: &Path) {
 fn fleet(folder: &Path, store: &str, further: &[&str]) -> serde_json::Value {
     let arguments = ["fleet", "logs", "--model", "hfb320", "--store", store, "--json"];
     phugoid(folder, &[&arguments, further].concat()).json()
-}
-
-/// Every file of a store with its content.
-fn content(store: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
-    let mut files = BTreeMap::new();
-    let mut folders = vec![store.to_owned()];
-    while let Some(folder) = folders.pop() {
-        for entry in fs::read_dir(folder).unwrap() {
-            let path = entry.unwrap().path();
-            if path.is_dir() {
-                folders.push(path);
-            } else if !path.file_name().unwrap().to_string_lossy().starts_with(".phugoid-") {
-                files.insert(path.strip_prefix(store).unwrap().to_owned(), fs::read(&path).unwrap());
-            }
-        }
-    }
-    files
-}
-
-/// Starts the program again and again and kills it, each time after another time, until one start ends by itself; how many were
-/// killed. `after` makes a time of a number between 0 and 1 that covers the range evenly.
-fn killed_until_it_ends(folder: &Folder, arguments: &[&str], after: impl Fn(f64) -> Duration) -> usize {
-    for attempt in 0..60 {
-        let mut child = Command::new(env!("CARGO_BIN_EXE_phugoid"))
-            .current_dir(&folder.0)
-            .args(arguments)
-            .stdout(Stdio::null())
-            .stderr(Stdio::null())
-            .spawn()
-            .unwrap();
-        std::thread::sleep(after((attempt as f64 * 0.618_034).fract()));
-        if child.try_wait().unwrap().is_some() {
-            return attempt;
-        }
-        child.kill().unwrap();
-        child.wait().unwrap();
-    }
-    panic!("no end after 60 starts");
 }
 
 #[test]

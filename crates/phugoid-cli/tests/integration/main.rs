@@ -5,6 +5,9 @@
 mod common;
 #[path = "../common/live.rs"]
 mod live_program;
+#[cfg(feature = "fleet")]
+#[path = "../common/stores.rs"]
+mod stores;
 #[path = "../../../../tests/telemetry.rs"]
 mod telemetry;
 
@@ -20,6 +23,7 @@ mod fly;
 mod help;
 mod init;
 mod inspect;
+mod kept_runs;
 mod live;
 mod logs;
 mod mapped_replay;

@@ -370,7 +370,7 @@ fn smpe_needs_no_vane() {
     let scenario = built_in("f16-calm").unwrap().unwrap();
     let study = |text: &str| {
         let model = ModelFile::parse("model", text).unwrap_or_else(|e| panic!("{e}"));
-        phugoid_evaluation::accuracy::accuracy(&scenario, &model, &EstimateOptions::default(), 40, &[20.0], || ())
+        phugoid_evaluation::accuracy::accuracy(&scenario, &model, &EstimateOptions::default(), 40, &[20.0], &|| ())
             .unwrap()
             .checkpoints
             .remove(0)

@@ -131,7 +131,7 @@ fn the_prediction_comes_true() {
     let model = ModelFile::named("f16-model").unwrap();
     let fitted = design(Kind::ThreeTwoOneOne, &[Surface::Elevator]);
     let prediction = predict(&fitted, &model).unwrap();
-    let study = accuracy(&fitted.scenario, &model, &EstimateOptions::default(), 40, &[20.0], || ()).unwrap();
+    let study = accuracy(&fitted.scenario, &model, &EstimateOptions::default(), 40, &[20.0], &|| ()).unwrap();
     for (predicted, found) in prediction.parameters.iter().zip(&study.checkpoints[0].parameters) {
         assert_eq!(predicted.name, found.name);
         assert!((predicted.std_error / found.cramer_rao - 1.0).abs() < 1e-9, "{}", found.name);

@@ -29,10 +29,11 @@ pub use self::rows::{Row, csv};
 pub use self::trial::Contestant;
 
 use crate::accuracy::StudyError;
-use crate::monte_carlo::monte_carlo;
+use crate::ledger::{Ledger, recorded};
 
 /// Flies each entry `seeds` times, lets every contestant estimate each flight, and compares. Flight `k` of an entry has the
-/// seed of its scenario plus `k`. `done` is called after each flight with all its estimations, from any thread.
+/// seed of its scenario plus `k`. `ledger` is told of each flight with all its estimations, from any thread, and may keep them; it has
+/// to know what the entries are made of and the settings of the contestants, which have one name each.
 ///
 /// A contestant that fails on a flight is counted as failed there; the first contestant is the one that the findings speak
 /// of as ours. All numbers but the times are the same on every machine and with any number of cores.
@@ -43,20 +44,23 @@ pub fn compare(
     entries: &[Entry],
     contestants: &[Contestant],
     seeds: usize,
-    done: impl Fn() + Sync,
+    ledger: &dyn Ledger,
 ) -> Result<Arena, StudyError> {
-    let flights = monte_carlo(
-        entries.len() * seeds,
-        |run| {
-            let (entry, seed) = (run / seeds.max(1), run % seeds.max(1));
-            match entries.get(entry) {
-                Some(entry) => trial::fly_and_estimate(entry, contestants, seed as u64),
-                None => Err(StudyError::Unsuitable("there is no such entry".to_owned())),
-            }
-        },
-        done,
-    )?;
     let names: Vec<String> = contestants.iter().map(|c| c.name.clone()).collect();
+    let flown = |run: usize| (entries.get(run / seeds.max(1)), (run % seeds.max(1)) as u64);
+    let flights = recorded(
+        entries.len() * seeds,
+        &format!("arena: {names:?} after {CYCLES:?} cycles, within {TOLERANCE}"),
+        |run| match flown(run) {
+            (Some(entry), k) => format!("{}, cycles of {} s, flight {k}", entry.id, entry.cycle_s),
+            (None, _) => String::new(),
+        },
+        |run| match flown(run) {
+            (Some(entry), k) => trial::fly_and_estimate(entry, contestants, k),
+            (None, _) => Err(StudyError::Unsuitable("there is no such entry".to_owned())),
+        },
+        ledger,
+    )?;
     let mut rows = Vec::new();
     let mut results = Vec::new();
     for (entry, flights) in entries.iter().zip(flights.chunks(seeds.max(1))) {

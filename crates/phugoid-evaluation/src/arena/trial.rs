@@ -7,6 +7,7 @@ use phugoid_identification::axes::Axes;
 use phugoid_identification::estimate::{EstimateError, EstimateOptions, Method, estimate};
 use phugoid_identification::estimation::{Estimation, EventKind};
 use phugoid_identification::model_file::ModelFile;
+use serde::{Deserialize, Serialize};
 
 use super::criteria::{CYCLES, TOLERANCE};
 use super::entry::Entry;
@@ -50,20 +51,24 @@ impl Contestant {
 }
 
 /// One parameter at one time: truth, estimate, claim.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Point {
+    #[serde(with = "crate::exact")]
     pub(super) truth: f64,
+    #[serde(with = "crate::exact")]
     pub(super) value: f64,
     /// Claimed standard error; NaN for a method that claims none.
+    #[serde(with = "crate::exact")]
     pub(super) std_error: f64,
 }
 
 /// What one contestant made of a flight.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Track {
     /// By checkpoint and parameter.
     pub(super) points: Vec<Vec<Point>>,
     /// Time from the reference to within the tolerance for good, by parameter, s; infinite if never.
+    #[serde(with = "crate::exact")]
     pub(super) settled_s: Vec<f64>,
     /// Times at which a change of the parameters was suspected, s.
     pub(super) doubts_s: Vec<f64>,
@@ -74,13 +79,14 @@ pub(super) struct Track {
 }
 
 /// A flight with everything that was made of it.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Trial {
     /// Time from which cycles are counted, s.
     pub(super) from_s: f64,
     /// Seed flown.
     pub(super) seed: u64,
     /// What an error is measured in, by checkpoint and parameter: the Cramer-Rao bound, or the prior's deviation.
+    #[serde(with = "crate::exact")]
     pub(super) unit: Vec<Vec<f64>>,
     /// Whether the unit is the Cramer-Rao bound.
     pub(super) bounded: bool,

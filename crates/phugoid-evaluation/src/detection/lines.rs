@@ -3,13 +3,13 @@
 use phugoid_identification::estimate::{EstimateOptions, KnownChange, Opens, estimate};
 use phugoid_identification::estimation::{Estimation, EventKind};
 use phugoid_identification::model_file::ModelFile;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::conditions::{Air, Stick};
 use super::draw::{Drawn, Order, flown};
 use super::limit::informed_latency_s;
 use crate::accuracy::StudyError;
-use crate::monte_carlo::monte_carlo;
+use crate::ledger::{Ledger, recorded};
 use crate::statistics::quantile;
 use phugoid_simulation::scenario::Scenario;
 
@@ -66,13 +66,18 @@ pub struct DamageLine {
     pub recovery: Vec<RecoveryLine>,
 }
 
+#[derive(Serialize, Deserialize)]
 struct Run {
+    #[serde(with = "crate::exact")]
     doubt_s: f64,
+    #[serde(with = "crate::exact")]
     adoption_s: f64,
+    #[serde(with = "crate::exact")]
     informed_s: f64,
     false_before: usize,
     extra: usize,
     /// By time and parameter: error in half widths and in claimed standard errors, ours and the oracle's.
+    #[serde(with = "crate::exact")]
     errors: Vec<Vec<[f64; 4]>>,
 }
 
@@ -86,13 +91,13 @@ pub fn damage_lines(
     model: &ModelFile,
     runs: usize,
     seed: u64,
-    done: &(dyn Fn() + Sync),
+    ledger: &dyn Ledger,
 ) -> Result<Vec<DamageLine>, StudyError> {
     let mut lines = Vec::new();
     for air in [Air::Calm, Air::Everything] {
         for stick in [Stick::Pilot, Stick::ThreeTwoOneOne] {
             for damage_at_s in [10.0, 20.0] {
-                lines.push(line(base, model, stick, air, damage_at_s, runs, seed, done)?);
+                lines.push(line(base, model, stick, air, damage_at_s, runs, seed, ledger)?);
             }
         }
     }
@@ -108,7 +113,7 @@ fn line(
     damage_at_s: f64,
     runs: usize,
     seed: u64,
-    done: &(dyn Fn() + Sync),
+    ledger: &dyn Ledger,
 ) -> Result<DamageLine, StudyError> {
     let order = Order {
         stick,
@@ -121,7 +126,9 @@ fn line(
         let drawn = flown(base, model, &order, seed.wrapping_add(run as u64), &|_| {})?;
         one_run(&drawn, model, damage_at_s)
     };
-    let results = monte_carlo(runs, one, done)?;
+    let inputs = format!("detection of damage: {order:?}");
+    let name = |run: usize| format!("seed {}", seed.wrapping_add(run as u64));
+    let results = recorded(runs, &inputs, name, one, ledger)?;
     let quantiles = |of: &dyn Fn(&Run) -> f64| [0.5, 0.9].map(|f| quantile(results.iter().map(of).collect(), f));
     let missed: Vec<u64> =
         (seed..).zip(&results).filter(|(_, r)| r.adoption_s.is_infinite()).map(|(seed, _)| seed).collect();

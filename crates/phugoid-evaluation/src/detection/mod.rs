@@ -15,6 +15,7 @@ use phugoid_identification::model_file::ModelFile;
 use serde::Serialize;
 
 use crate::accuracy::StudyError;
+use crate::ledger::Ledger;
 use crate::published::{DAMAGE_SCENARIO, F16_MODEL};
 use phugoid_simulation::scenario::Scenario;
 
@@ -31,11 +32,12 @@ pub struct DetectionStudy {
     pub model_error: Vec<ModelErrorLine>,
 }
 
-/// The study: `runs` damages and `runs` minutes of flight for each line.
+/// The study: `runs` damages and `runs` minutes of flight for each line. `ledger` is told of each flight, from any thread, and may
+/// keep what is measured in it.
 ///
 /// # Errors
 /// [`StudyError`]: a flight cannot be flown, or the model does not fit it.
-pub fn detection(runs: usize, seed: u64, done: &(dyn Fn() + Sync)) -> Result<DetectionStudy, StudyError> {
+pub fn detection(runs: usize, seed: u64, ledger: &dyn Ledger) -> Result<DetectionStudy, StudyError> {
     let base = Scenario::parse(DAMAGE_SCENARIO, "f16-damage").map_err(StudyError::unsuitable)?;
     let read = |text: &str| ModelFile::parse("f16", text).map_err(StudyError::unsuitable);
     let with_term = F16_MODEL
@@ -44,8 +46,8 @@ pub fn detection(runs: usize, seed: u64, done: &(dyn Fn() + Sync)) -> Result<Det
     Ok(DetectionStudy {
         runs,
         seed,
-        damage: damage_lines(&base, &read(F16_MODEL)?, runs, seed, done)?,
-        model_error: model_error_lines(&base, [&read(F16_MODEL)?, &read(&with_term)?], runs, seed, done)?,
+        damage: damage_lines(&base, &read(F16_MODEL)?, runs, seed, ledger)?,
+        model_error: model_error_lines(&base, [&read(F16_MODEL)?, &read(&with_term)?], runs, seed, ledger)?,
     })
 }
 

@@ -3,13 +3,13 @@
 use phugoid_identification::estimate::{EstimateOptions, estimate};
 use phugoid_identification::estimation::{Estimation, EventKind};
 use phugoid_identification::model_file::{ModelFile, Source, Thrust};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::conditions::{Air, Stick};
 use super::draw::{Order, flown};
 use super::lines::errors_at;
 use crate::accuracy::StudyError;
-use crate::monte_carlo::monte_carlo;
+use crate::ledger::{Ledger, recorded};
 use crate::statistics::poisson;
 use phugoid_simulation::quantity::Time;
 use phugoid_simulation::scenario::{Scenario, TableFactors};
@@ -118,13 +118,16 @@ pub(super) const LINES: &[Line] = &[
     Line::with_term(ALL, Air::Everything, all),
 ];
 
+#[derive(Serialize, Deserialize)]
 struct Run {
     adoptions: usize,
     harmful: usize,
     harmful_and_claimed: usize,
     doubts: usize,
     insensitive: bool,
+    #[serde(with = "crate::exact")]
     end: Vec<[f64; 2]>,
+    #[serde(with = "crate::exact")]
     end_off: Vec<[f64; 2]>,
 }
 
@@ -137,9 +140,9 @@ pub fn model_error_lines(
     models: [&ModelFile; 2],
     minutes: usize,
     seed: u64,
-    done: &(dyn Fn() + Sync),
+    ledger: &dyn Ledger,
 ) -> Result<Vec<ModelErrorLine>, StudyError> {
-    LINES.iter().map(|line| fly_line(base, models, line, minutes, seed, done)).collect()
+    LINES.iter().map(|line| fly_line(base, models, line, minutes, seed, ledger)).collect()
 }
 
 /// Truth, bounds and judgement are those of the first model, without the term.
@@ -149,7 +152,7 @@ fn fly_line(
     line: &Line,
     minutes: usize,
     seed: u64,
-    done: &(dyn Fn() + Sync),
+    ledger: &dyn Ledger,
 ) -> Result<ModelErrorLine, StudyError> {
     let one = |run: usize| -> Result<Run, StudyError> {
         let order = Order {
@@ -171,7 +174,10 @@ fn fly_line(
         };
         Ok(judge(&with(true)?, &with(false)?, model, &drawn.truth(model, 0.0)))
     };
-    let results = monte_carlo(minutes, one, done)?;
+    let term = if line.term { ", with the term" } else { "" };
+    let inputs = format!("detection with an error of the model: {}{term}, {:?}", line.name, line.air);
+    let name = |run: usize| format!("flight {run} of those from seed {seed}");
+    let results = recorded(minutes, &inputs, name, one, ledger)?;
     let sum = |of: &dyn Fn(&Run) -> usize| results.iter().map(of).sum::<usize>();
     let adoptions = sum(&|r| r.adoptions);
     let per_ten_minutes = 10.0 / (results.len().max(1) as f64 * FLIGHT_S / 60.0);

@@ -16,9 +16,7 @@ pub mod state;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicUsize, Ordering};
 
-use rayon::prelude::*;
 use serde::Serialize;
 
 pub use comparison::{Comparison, Pair, ScenarioDifference, Verdict};
@@ -26,6 +24,7 @@ pub use objective::Score;
 pub use setting::{Range, Setting};
 
 use crate::accuracy::StudyError;
+use crate::ledger::{Ledger, LedgerError, recorded};
 use search::Search;
 use setting::{values_at, values_by_rule};
 use state::{Problem, StateError};
@@ -65,9 +64,9 @@ pub trait Tunable: Sync {
     /// Scores one of them with the values of the settings. A run that fails is [`Score::FAILURE`].
     fn score(&self, values: &[f64], part: Part, run: usize) -> Score;
 
-    /// Everything that decides the scores of the training runs in addition to settings and run names: fingerprints of
-    /// files, by name.
-    fn sources(&self) -> BTreeMap<String, String>;
+    /// Everything that decides the scores of the runs of a part in addition to settings and run names: fingerprints of files, by
+    /// name.
+    fn sources(&self, part: Part) -> BTreeMap<String, String>;
 
     /// The settings as the text of a file that a user can use, with a comment at its head.
     fn settings_file(&self, values: &[f64]) -> String;
@@ -145,20 +144,30 @@ pub enum TuneError {
     /// A scenario cannot be run at all.
     #[error(transparent)]
     Study(#[from] StudyError),
+    /// A score that is kept cannot be read or written.
+    #[error(transparent)]
+    Ledger(#[from] LedgerError),
 }
 
-/// Tunes a method. `progress` is called with the fraction done, 0 to 1, from any thread.
+/// Number of scores that [`tune`] asks for: of the training runs in all generations and of the first and the last settings, and of
+/// the held-out runs.
+pub fn scores(tunable: &dyn Tunable, options: &TuneOptions) -> usize {
+    let [training, held_out] = [Part::Training, Part::HeldOut].map(|part| tunable.runs(part).len());
+    let size = Search::population_size(tunable.settings().len());
+    let generations = options.budget / size;
+    let settings = if generations > 0 { 2 } else { 1 };
+    generations * size * training + 2 * training + settings * held_out
+}
+
+/// Tunes a method. `ledger` is told of each run that is scored ([`scores`] of them), from any thread, and may keep the scores, so that a
+/// search that begins anew finds those of an earlier one.
 ///
 /// # Errors
 /// [`TuneError`]: the budget is too small, there are no runs, or the state file is damaged or of another problem.
-pub fn tune(
-    tunable: &dyn Tunable,
-    options: &TuneOptions,
-    progress: &(dyn Fn(f64) + Sync),
-) -> Result<Tuning, TuneError> {
+pub fn tune(tunable: &dyn Tunable, options: &TuneOptions, ledger: &dyn Ledger) -> Result<Tuning, TuneError> {
     let settings = tunable.settings();
     let rule = values_by_rule(settings);
-    let (training, held_out) = (tunable.runs(Part::Training).len(), tunable.runs(Part::HeldOut).len());
+    let training = tunable.runs(Part::Training).len();
     if training == 0 {
         return Err(TuneError::NoRuns("nothing to tune on: give a --scenario".to_owned()));
     }
@@ -168,21 +177,18 @@ pub fn tune(
         return Err(TuneError::Budget { budget, settings, least });
     }
     let generations = (options.budget / size) as u64;
-    // Work in runs: of all generations, and twice the held-out ones.
-    let whole = (generations as usize * size * training + 2 * held_out).max(1) as f64;
-    let done = AtomicUsize::new(0);
-    let count = |runs: usize| progress((done.fetch_add(runs, Ordering::Relaxed) + runs) as f64 / whole);
-
     let problem = problem(tunable, options.seed);
     let mut search = match &options.state {
         Some(file) => state::read(file, &problem)?,
         None => None,
     }
     .unwrap_or_else(|| Search::new(settings.iter().zip(&rule).map(|(s, v)| s.place(*v)).collect(), options.seed));
-    count(search.generation as usize * size * training);
+    // What a state file tells is done.
+    (0..search.generation as usize * size * training).for_each(|_| ledger.done());
     while search.generation < generations {
         let points = search.ask();
-        let scores = training_scores(tunable, &points, &|| count(1));
+        let values: Vec<Vec<f64>> = points.iter().map(|point| values_at(settings, point)).collect();
+        let scores = training_scores(tunable, &values, ledger)?;
         search.tell(points, &scores);
         if let Some(file) = &options.state {
             state::write(file, &problem, &search)?;
@@ -190,28 +196,22 @@ pub fn tune(
     }
 
     let tuned = search.best().map_or_else(|| rule.clone(), |best| values_at(settings, &best.point));
-    let [by_rule, by_search] = [&rule, &tuned].map(|values| mean_score(tunable, values));
+    let both = training_scores(tunable, &[rule.clone(), tuned.clone()], ledger)?;
+    let (by_rule, by_search) = (both[0], both[1]);
     // The start of the search is the rule through a logarithm and back; do not let rounding look like a gain.
     let tuned = if by_search < by_rule { tuned } else { rule.clone() };
-    let score = |values: &[f64]| -> Vec<Score> {
-        (0..held_out)
-            .into_par_iter()
-            .map(|run| {
-                let score = tunable.score(values, Part::HeldOut, run);
-                count(1);
-                score
-            })
-            .collect()
-    };
-    let rule_scores = score(&rule);
-    let comparison = (generations > 0).then(|| {
-        let tuned_scores = score(&tuned);
+    let held_out = |values: &[f64]| all_scores(tunable, &[values.to_vec()], Part::HeldOut, ledger);
+    let rule_scores = held_out(&rule)?;
+    let comparison = if generations > 0 {
+        let tuned_scores = held_out(&tuned)?;
         let pairs =
             tunable.runs(Part::HeldOut).iter().zip(rule_scores.iter().zip(tuned_scores)).map(
                 |(name, (rule, tuned))| Pair { scenario: name.scenario.clone(), run: name.run, rule: *rule, tuned },
             );
-        Comparison::of(pairs.collect())
-    });
+        Some(Comparison::of(pairs.collect()))
+    } else {
+        None
+    };
     Ok(Tuning {
         method: tunable.method(),
         settings: settings.iter().zip(&tuned).map(|(s, v)| Choice { setting: s.clone(), tuned: *v }).collect(),
@@ -227,33 +227,45 @@ pub fn tune(
     })
 }
 
-/// Mean objective of each point over the training runs, all points and runs in parallel.
-fn training_scores(tunable: &dyn Tunable, points: &[Vec<f64>], done: &(dyn Fn() + Sync)) -> Vec<f64> {
+/// Mean objective of each set of values over the training runs.
+fn training_scores(tunable: &dyn Tunable, values: &[Vec<f64>], ledger: &dyn Ledger) -> Result<Vec<f64>, LedgerError> {
     let runs = tunable.runs(Part::Training).len();
-    let settings = tunable.settings();
-    let values: Vec<Vec<f64>> = points.iter().map(|point| values_at(settings, point)).collect();
-    let objectives: Vec<f64> = (0..points.len() * runs)
-        .into_par_iter()
-        .map(|k| {
-            let objective = tunable.score(&values[k / runs], Part::Training, k % runs).objective;
-            done();
-            objective
-        })
-        .collect();
+    let scores = all_scores(tunable, values, Part::Training, ledger)?;
     // Summed in the order of the runs: the same on any number of cores.
-    objectives.chunks(runs).map(|of_point| of_point.iter().sum::<f64>() / runs as f64).collect()
+    Ok(scores
+        .chunks(runs)
+        .map(|of_one| of_one.iter().map(|score| score.objective).sum::<f64>() / runs as f64)
+        .collect())
 }
 
-fn mean_score(tunable: &dyn Tunable, values: &[f64]) -> f64 {
-    let runs = tunable.runs(Part::Training).len();
-    let objectives: Vec<f64> =
-        (0..runs).into_par_iter().map(|run| tunable.score(values, Part::Training, run).objective).collect();
-    objectives.iter().sum::<f64>() / runs as f64
+/// Scores of all runs of a part with each set of values, set by set; all in parallel.
+fn all_scores(
+    tunable: &dyn Tunable,
+    values: &[Vec<f64>],
+    part: Part,
+    ledger: &dyn Ledger,
+) -> Result<Vec<Score>, LedgerError> {
+    let runs = tunable.runs(part);
+    let inputs = format!("tuning of {}: {:?}", tunable.method(), tunable.sources(part));
+    let place = |k: usize| (&values[k / runs.len().max(1)], k % runs.len().max(1));
+    recorded(
+        values.len() * runs.len(),
+        &inputs,
+        |k| {
+            let (values, run) = place(k);
+            format!("{} {} with {values:?}", runs[run].scenario, runs[run].run)
+        },
+        |k| {
+            let (values, run) = place(k);
+            Ok(tunable.score(values, part, run))
+        },
+        ledger,
+    )
 }
 
 /// Everything that decides the scores of the search.
 fn problem(tunable: &dyn Tunable, seed: u64) -> Problem {
-    let mut problem: Problem = tunable.sources();
+    let mut problem: Problem = tunable.sources(Part::Training);
     let runs = tunable.runs(Part::Training).iter().map(|r| format!("{} {}", r.scenario, r.run)).collect::<Vec<_>>();
     problem.insert("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned());
     problem.insert("method".to_owned(), tunable.method().to_owned());

@@ -13,7 +13,7 @@
 //! is paid for, and so is one that holds because it is wide. (The interval score of T. Gneiting and A. Raftery, J. Amer.
 //! Stat. Assoc. 102 (2007), has the same two parts; here in logarithms, so that one bad run does not outweigh all others.)
 
-use serde::Serialize;
+use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::settling::settled_at;
 
@@ -40,12 +40,13 @@ pub struct Trace {
 }
 
 /// The objective of one run, and the quantities that it is made of.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Score {
     /// The objective `J` that tuning minimises; the [module](self) defines it.
     pub objective: f64,
     /// Geometric mean over the parameters of the time until the estimate stays within 5 % of the truth, s; those that never
-    /// do count as the whole record.
+    /// do count as the whole record. Not a number for a run that failed.
+    #[serde(deserialize_with = "or_none")]
     pub time_to_5_percent_s: f64,
     /// Whether all parameters are within 5 % at the end.
     pub converged: bool,
@@ -54,6 +55,11 @@ pub struct Score {
     /// Fraction of the compared instants in which the truth lies within two claimed standard errors; none if none are
     /// claimed.
     pub coverage: Option<f64>,
+}
+
+/// JSON has `null` for a number that is none.
+fn or_none<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
+    Ok(Option::deserialize(deserializer)?.unwrap_or(f64::NAN))
 }
 
 impl Score {

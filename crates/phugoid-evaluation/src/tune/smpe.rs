@@ -47,13 +47,14 @@ impl Assignment {
 /// The flagship with flights to tune on and flights to judge by.
 pub struct SmpeTuning {
     settings: Vec<Setting>,
-    sources: BTreeMap<String, String>,
     training: Runs,
     held_out: Runs,
 }
 
 #[derive(Default)]
 struct Runs {
+    /// Fingerprints of the scenarios with their models.
+    sources: BTreeMap<String, String>,
     names: Vec<RunName>,
     runs: Vec<Run>,
 }
@@ -83,7 +84,6 @@ impl SmpeTuning {
         let adaptive = training.iter().any(|a| a.model.process_noise.adaptive);
         Ok(Self {
             settings: settings(process_noise, adaptive),
-            sources: training.iter().map(|a| (format!("scenario {}", a.name), a.fingerprint.clone())).collect(),
             training: fly_all(training, runs, 0, done)?,
             held_out: fly_all(held_out, runs, HELD_OUT_RUNS, done)?,
         })
@@ -210,7 +210,8 @@ fn fly_all(assignments: &[Assignment], runs: usize, first: u64, done: &(dyn Fn()
         },
         done,
     )?;
-    Ok(Runs { names, runs })
+    let sources = assignments.iter().map(|a| (format!("scenario {}", a.name), a.fingerprint.clone())).collect();
+    Ok(Runs { sources, names, runs })
 }
 
 /// The scenario of a run: another seed, and from the second run on another truth.
@@ -284,8 +285,8 @@ impl Tunable for SmpeTuning {
         score(&estimation.history.time_s, &traces, run.from)
     }
 
-    fn sources(&self) -> BTreeMap<String, String> {
-        self.sources.clone()
+    fn sources(&self, part: Part) -> BTreeMap<String, String> {
+        self.part(part).sources.clone()
     }
 
     fn settings_file(&self, values: &[f64]) -> String {

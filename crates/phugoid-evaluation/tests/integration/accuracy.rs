@@ -27,7 +27,7 @@ fn calm_air_estimates_reach_the_bound() {
         let model = ModelFile::parse("f16-model", model).unwrap();
         for method in [Method::Smpe, Method::Ekf] {
             let options = EstimateOptions { method: Some(method), ..EstimateOptions::default() };
-            let study = accuracy(&scenario, &model, &options, runs, &[4.7, 20.0], || ()).unwrap();
+            let study = accuracy(&scenario, &model, &options, runs, &[4.7, 20.0], &|| ()).unwrap();
             assert_reaches_the_bound(&study);
         }
     }
@@ -78,7 +78,7 @@ fn damage_is_found_and_the_bounds_hold_again() {
     let runs = size(12, 30);
     let scenario = Scenario::parse(DAMAGE_SCENARIO, "f16-damage").unwrap();
     let model = ModelFile::parse("f16-damage-model", DAMAGE_MODEL).unwrap();
-    let study = damage(&scenario, &model, runs, &[10.0], || ()).unwrap();
+    let study = damage(&scenario, &model, runs, &[10.0], &|| ()).unwrap();
     println!("{study:?}");
     assert_eq!((study.missed, study.false_alarms), (0, 0), "{study:?}");
     // The information limit for 5 % of all coefficients is above 1.6 s after the damage; detection needs a part of that.

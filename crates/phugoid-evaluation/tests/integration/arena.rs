@@ -38,10 +38,10 @@ fn timeless(mut arena: Arena) -> Arena {
 fn flights_are_shared_results_repeat_and_the_truth_is_found() {
     let entries = [entry("calm"), entry("damage")];
     let contestants = || [Contestant::of(Method::Smpe), spoilt("twin", true, |_| ())];
-    let arena = timeless(compare(&entries, &contestants(), 2, || ()).unwrap());
+    let arena = timeless(compare(&entries, &contestants(), 2, &|| ()).unwrap());
     // As text: a number that is absent, as the time to 5 % of a parameter that never comes there, equals itself there.
     let text = |arena: &Arena| format!("{arena:?}");
-    assert_eq!(text(&arena), text(&timeless(compare(&entries, &contestants(), 2, || ()).unwrap())));
+    assert_eq!(text(&arena), text(&timeless(compare(&entries, &contestants(), 2, &|| ()).unwrap())));
     let [calm, damage] = arena.entries.as_slice() else { panic!("two entries") };
     assert_eq!((calm.unit, calm.counted_from_s, damage.counted_from_s), (Unit::CramerRao, 0.5, 10.0));
     let [ours, twin] = calm.methods.as_slice() else { panic!("two methods") };
@@ -77,7 +77,7 @@ fn a_broken_method_is_seen_to_be_broken() {
         e.history.parameters.iter_mut().for_each(|p| p.std_error.iter_mut().for_each(|s| *s = f64::NAN));
     });
     let contestants = [spoilt("biased", true, biased), Contestant::of(Method::Smpe), refuses, diverges, silent];
-    let arena = compare(&[entry("calm")], &contestants, 3, || ()).unwrap();
+    let arena = compare(&[entry("calm")], &contestants, 3, &|| ()).unwrap();
     let methods = &arena.entries[0].methods;
     let coverage = methods[0].checkpoints[2].coverage.unwrap();
     assert!(coverage.fraction < 0.1 && coverage.interval[1] < 0.9, "{coverage:?}");
@@ -106,7 +106,7 @@ fn a_broken_method_is_seen_to_be_broken() {
 #[test]
 fn a_batch_method_sees_nothing_of_the_future() {
     let contestants = [Contestant::of(Method::Smpe), spoilt("replayed", false, |_| ())];
-    let arena = compare(&[entry("outliers")], &contestants, 1, || ()).unwrap();
+    let arena = compare(&[entry("outliers")], &contestants, 1, &|| ()).unwrap();
     let [causal, replayed] = arena.entries[0].methods.as_slice() else { panic!("two methods") };
     for (a, b) in causal.checkpoints.iter().zip(&replayed.checkpoints) {
         for (a, b) in a.parameters.iter().zip(&b.parameters) {
@@ -118,7 +118,7 @@ fn a_batch_method_sees_nothing_of_the_future() {
 /// Where nothing moves nothing is learnt: the prior's deviations measure the error, and the bounds stay open.
 #[test]
 fn without_excitation_errors_are_told_against_the_prior() {
-    let arena = compare(&[entry("no-excitation")], &[Contestant::of(Method::Smpe)], 2, || ()).unwrap();
+    let arena = compare(&[entry("no-excitation")], &[Contestant::of(Method::Smpe)], 2, &|| ()).unwrap();
     let result = &arena.entries[0];
     assert_eq!((result.unit, result.counted_from_s), (Unit::Prior, 0.0));
     let last = &result.methods[0].checkpoints[2];
@@ -130,6 +130,6 @@ fn without_excitation_errors_are_told_against_the_prior() {
 fn a_flight_that_is_too_short_is_refused_in_words() {
     let mut short = entry("calm");
     short.scenario.duration = "10 s".parse().unwrap();
-    let message = compare(&[short], &[Contestant::of(Method::Smpe)], 1, || ()).map(|_| ()).unwrap_err().to_string();
+    let message = compare(&[short], &[Contestant::of(Method::Smpe)], 1, &|| ()).map(|_| ()).unwrap_err().to_string();
     assert!(message.contains("lengthen `duration`") && message.contains("21.35 s"), "{message}");
 }

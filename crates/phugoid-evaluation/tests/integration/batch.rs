@@ -47,7 +47,7 @@ fn output_error_reaches_the_bound() {
     let ratio_error = 4.0 / (2.0 * runs as f64).sqrt();
     let coverage_error = 4.0 * (0.954 * 0.046 / runs as f64).sqrt();
     for (scenario, model) in cases() {
-        let study = accuracy(&scenario, &model, &output_error(), runs, &[19.99], || ()).unwrap();
+        let study = accuracy(&scenario, &model, &output_error(), runs, &[19.99], &|| ()).unwrap();
         for p in &study.checkpoints[0].parameters {
             let (ratio, coverage) = (p.rmse_over_cramer_rao, p.coverage);
             println!("{}: RMSE/CRB {ratio:.3}, bias {:.2e}, coverage {coverage:.3}", p.name, p.bias);

@@ -12,7 +12,7 @@ use crate::studies::size;
 fn study(name: &str, model: &ModelFile, runs: usize, at: &[f64]) -> AccuracyStudy {
     let scenario = built_in(name).unwrap().unwrap();
     let options = EstimateOptions::default();
-    let study = accuracy(&scenario, model, &options, runs, at, || ()).unwrap_or_else(|e| panic!("{e}"));
+    let study = accuracy(&scenario, model, &options, runs, at, &|| ()).unwrap_or_else(|e| panic!("{e}"));
     for checkpoint in &study.checkpoints {
         println!("{name}, {runs} runs, {:.1} s: truth, bound, RMSE/bound, bias/bound, coverage", checkpoint.time_s);
         for p in &checkpoint.parameters {

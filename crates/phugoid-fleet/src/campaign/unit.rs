@@ -93,7 +93,7 @@ impl Unit {
 
 /// SHA-256 of a scenario as it is flown: its text, the seed, and the content of every file that the text names, in the order of
 /// the text. `folder` is where relative paths begin.
-pub(super) fn source_sha256(scenario: &str, seed: u64, folder: &Path, files: &mut NamedFiles) -> String {
+pub(crate) fn source_sha256(scenario: &str, seed: u64, folder: &Path, files: &mut NamedFiles) -> String {
     let mut named = Vec::new();
     if let Ok(table) = toml::from_str::<Table>(scenario) {
         table.iter().for_each(|(key, value)| files.named_in(key, value, folder, &mut named));

@@ -77,13 +77,13 @@ fn scenarios_that_cannot_be_flown_in_closed_loop_are_refused() {
 fn a_study_counts_every_flight_once() {
     let base = Scenario::named("f16-recovery").unwrap();
     let damages = 4;
-    let study = recovery(&base, &model(), &Settings::default(), damages, 77, || ()).unwrap();
+    let study = recovery(&base, &model(), &Settings::default(), damages, 77, &|| ()).unwrap();
     assert_eq!(study.flights.len(), damages * Control::ALL.len());
     let all: Vec<_> = study.rows.iter().filter(|row| row.class.is_none()).collect();
     assert!(all.iter().all(|row| row.flights == damages && row.recovered <= row.level_flight));
     let of_classes: usize = study.rows.iter().filter(|row| row.class.is_some()).map(|row| row.flights).sum();
     assert_eq!(of_classes, study.flights.len());
-    let again = recovery(&base, &model(), &Settings::default(), damages, 77, || ()).unwrap();
+    let again = recovery(&base, &model(), &Settings::default(), damages, 77, &|| ()).unwrap();
     assert!(study.flights == again.flights, "the same seeds give the same flights");
     let counts: Vec<usize> = (0..10 * Class::ALL.len()).map(|k| classes(k, 77 + k as u64).len()).collect();
     assert!(counts.contains(&1) && counts.contains(&2) && counts.contains(&3));

@@ -62,7 +62,7 @@ fn counted<'a>(progress: &'a (dyn Fn(f64) + Sync), all: usize, done: &'a AtomicU
 fn healthy_flights(id: &str, progress: &(dyn Fn(f64) + Sync)) -> Result<Reproduction, StudyError> {
     let done = AtomicUsize::new(0);
     let scenario = scenario(HEALTHY_SCENARIO, "f16-healthy")?;
-    let study = healthy(&scenario, &model()?, HEALTHY_RUNS, counted(progress, HEALTHY_RUNS, &done))?;
+    let study = healthy(&scenario, &model()?, HEALTHY_RUNS, &counted(progress, HEALTHY_RUNS, &done))?;
     let mut table = Table {
         title: format!("{} healthy flights, {:.2} h monitored", study.runs, study.hours),
         columns: vec![
@@ -261,7 +261,7 @@ fn one_failure(id: &str, progress: &(dyn Fn(f64) + Sync)) -> Result<Reproduction
 fn many_failures(id: &str, progress: &(dyn Fn(f64) + Sync)) -> Result<Reproduction, StudyError> {
     let (scenario, model) = (scenario(FAILURE_SCENARIO, "f16-failure")?, model()?);
     let done = AtomicUsize::new(0);
-    let study = |stick| failures(&scenario, &model, stick, FAILURE_RUNS, counted(progress, 2 * FAILURE_RUNS, &done));
+    let study = |stick| failures(&scenario, &model, stick, FAILURE_RUNS, &counted(progress, 2 * FAILURE_RUNS, &done));
     let studies = [study(Stick::Pilot)?, study(Stick::Calm)?];
     let row = |study: &FailureStudy| {
         let word = match study.stick {

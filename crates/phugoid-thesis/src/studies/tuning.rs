@@ -9,7 +9,8 @@ use phugoid_evaluation::accuracy::StudyError;
 use phugoid_evaluation::chart::{Axis, Chart, Content, Curve, Level, Meaning, Panel, Shape};
 use phugoid_evaluation::table::{Cell, Column, Table};
 use phugoid_evaluation::tune::smpe::{Assignment, SmpeTuning};
-use phugoid_evaluation::tune::{Part, Score, Tunable, TuneError, TuneOptions, Tuning, Verdict, tune};
+use phugoid_evaluation::tune::{Part, Score, Tunable, TuneError, TuneOptions, Tuning, Verdict, scores, tune};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 pub(crate) const ENTRIES: &[Entry] =
     &[Entry { id: "tuning/rule-and-search", title: "Settings by rule, by search, and as published", run }];
@@ -63,7 +64,11 @@ fn one(method: Method, progress: &(dyn Fn(f64) + Sync)) -> Result<Tuned, StudyEr
     };
     let (training, held_out) = (read(training)?, read(held_out)?);
     let options = TuneOptions { budget: BUDGET, seed: SEED, state: None };
-    let search = |tunable: &dyn Tunable| tune(tunable, &options, progress).map_err(unsuitable);
+    let search = |tunable: &dyn Tunable| {
+        let (done, all) = (AtomicUsize::new(0), scores(tunable, &options).max(1));
+        let count = || progress((1 + done.fetch_add(1, Ordering::Relaxed)) as f64 / all as f64);
+        tune(tunable, &options, &count).map_err(unsuitable)
+    };
     let on_cases = |law: CaseMethod| -> Result<Tuned, StudyError> {
         let [training, held_out] = [&training, &held_out].map(|materials| cases(materials));
         let tunable = CaseTuning::new(law, &training, &held_out, RUNS, &|| ())?;

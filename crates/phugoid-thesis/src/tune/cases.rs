@@ -59,13 +59,14 @@ pub enum CaseMethod {
 pub struct CaseTuning {
     method: CaseMethod,
     settings: Vec<Setting>,
-    sources: BTreeMap<String, String>,
     training: Runs,
     held_out: Runs,
 }
 
 #[derive(Default)]
 struct Runs {
+    /// Fingerprints of the cases.
+    sources: BTreeMap<String, String>,
     names: Vec<RunName>,
     runs: Vec<Run>,
 }
@@ -101,7 +102,6 @@ impl CaseTuning {
         Ok(Self {
             method,
             settings: settings(method),
-            sources: training.iter().map(|c| (format!("case {}", c.name), c.fingerprint.clone())).collect(),
             training: run_all(method, training, runs, 0, done)?,
             held_out: run_all(method, held_out, runs, HELD_OUT_RUNS, done)?,
         })
@@ -276,7 +276,8 @@ fn run_all(
         .flat_map(|c| (0..runs as u64).map(|run| RunName { scenario: c.name.clone(), run: first + run }))
         .collect();
     let runs = monte_carlo(names.len(), |k| Run::new(method, &cases[k / runs.max(1)], names[k].run), done)?;
-    Ok(Runs { names, runs })
+    let sources = cases.iter().map(|c| (format!("case {}", c.name), c.fingerprint.clone())).collect();
+    Ok(Runs { sources, names, runs })
 }
 
 fn random(seed: u64, run: u64) -> Pcg64Mcg {
@@ -340,8 +341,8 @@ impl Tunable for CaseTuning {
         self.part(part).runs.get(run).map_or(Score::FAILURE, |run| run.score(self.law(values, &run.expected)))
     }
 
-    fn sources(&self) -> BTreeMap<String, String> {
-        self.sources.clone()
+    fn sources(&self, part: Part) -> BTreeMap<String, String> {
+        self.part(part).sources.clone()
     }
 
     fn settings_file(&self, values: &[f64]) -> String {

@@ -70,7 +70,7 @@ impl Tunable for Known {
         let objective = (values[0] / 3.0).ln().abs() + 0.1 * (run as f64 + 7.0 * values[1]).sin();
         Score { objective, ..Score::FAILURE }
     }
-    fn sources(&self) -> BTreeMap<String, String> {
+    fn sources(&self, _: Part) -> BTreeMap<String, String> {
         BTreeMap::from([("scenario s0".to_owned(), "0123456789abcdef".to_owned())])
     }
     fn settings_file(&self, values: &[f64]) -> String {
@@ -84,7 +84,7 @@ fn options(budget: usize, state: Option<&Path>) -> TuneOptions {
 
 #[test]
 fn the_best_setting_is_found_and_the_gain_is_what_it_is() {
-    let tuning = tune(&Known::new(usize::MAX), &options(240, None), &|_| ()).unwrap();
+    let tuning = tune(&Known::new(usize::MAX), &options(240, None), &|| ()).unwrap();
     let gain = tuning.settings[0].tuned;
     assert!((gain / 3.0 - 1.0).abs() < 0.05, "{gain}");
     let held_out = tuning.held_out.unwrap();
@@ -99,36 +99,36 @@ fn the_best_setting_is_found_and_the_gain_is_what_it_is() {
 #[test]
 fn a_killed_search_goes_on_bit_by_bit_as_if_nothing_had_happened() {
     let whole = File::new("whole");
-    let uninterrupted = tune(&Known::new(usize::MAX), &options(80, Some(&whole.0)), &|_| ()).unwrap();
+    let uninterrupted = tune(&Known::new(usize::MAX), &options(80, Some(&whole.0)), &|| ()).unwrap();
     let cut = File::new("cut");
     // Killed in the middle of the fourth, then of the sixth generation: twelve points on six runs make 72 evaluations.
     for life in [3 * 72 + 20, 2 * 72 + 7] {
-        let killed = std::panic::catch_unwind(|| tune(&Known::new(life), &options(80, Some(&cut.0)), &|_| ()));
+        let killed = std::panic::catch_unwind(|| tune(&Known::new(life), &options(80, Some(&cut.0)), &|| ()));
         assert!(killed.is_err());
         assert!(cut.0.exists());
     }
-    let resumed = tune(&Known::new(usize::MAX), &options(80, Some(&cut.0)), &|_| ()).unwrap();
+    let resumed = tune(&Known::new(usize::MAX), &options(80, Some(&cut.0)), &|| ()).unwrap();
     assert_eq!(format!("{resumed:?}"), format!("{uninterrupted:?}"));
     let read = |file: &File| std::fs::read_to_string(&file.0).unwrap();
     assert_eq!(read(&cut), read(&whole));
     // What was done is not done again: only the comparison is made, twice six training and held-out runs.
     let again = Known::new(24);
-    assert_eq!(format!("{:?}", tune(&again, &options(80, Some(&cut.0)), &|_| ()).unwrap()), format!("{resumed:?}"));
+    assert_eq!(format!("{:?}", tune(&again, &options(80, Some(&cut.0)), &|| ()).unwrap()), format!("{resumed:?}"));
     // A larger budget goes on from there as it would have gone.
-    let longer = tune(&Known::new(usize::MAX), &options(160, Some(&cut.0)), &|_| ()).unwrap();
+    let longer = tune(&Known::new(usize::MAX), &options(160, Some(&cut.0)), &|| ()).unwrap();
     assert_eq!(
         format!("{longer:?}"),
-        format!("{:?}", tune(&Known::new(usize::MAX), &options(160, None), &|_| ()).unwrap())
+        format!("{:?}", tune(&Known::new(usize::MAX), &options(160, None), &|| ()).unwrap())
     );
 }
 
 #[test]
 fn the_state_of_another_problem_is_refused() {
     let file = File::new("other");
-    tune(&Known::new(usize::MAX), &options(24, Some(&file.0)), &|_| ()).unwrap();
+    tune(&Known::new(usize::MAX), &options(24, Some(&file.0)), &|| ()).unwrap();
     let refused = |known: &Known, seed: u64| {
         let options = TuneOptions { seed, ..options(24, Some(&file.0)) };
-        tune(known, &options, &|_| ()).unwrap_err().to_string()
+        tune(known, &options, &|| ()).unwrap_err().to_string()
     };
     let message = refused(&Known::new(usize::MAX), 6);
     assert!(message.contains("another problem") && message.contains("its seed is `5`, here it is `6`"), "{message}");
@@ -146,11 +146,11 @@ fn the_state_of_another_problem_is_refused() {
 
 #[test]
 fn a_budget_for_less_than_two_generations_is_refused() {
-    let error = tune(&Known::new(usize::MAX), &options(15, None), &|_| ()).unwrap_err();
+    let error = tune(&Known::new(usize::MAX), &options(15, None), &|| ()).unwrap_err();
     assert!(matches!(error, TuneError::Budget { budget: 15, settings: 2, least: 24 }));
     assert!(error.to_string().contains("at least 24"), "{error}");
     // None at all: the rule alone.
-    let rule = tune(&Known::new(usize::MAX), &options(0, None), &|_| ()).unwrap();
+    let rule = tune(&Known::new(usize::MAX), &options(0, None), &|| ()).unwrap();
     assert!(rule.held_out.is_none() && rule.rule_on_held_out.len() == 6);
     assert_eq!(rule.settings[0].tuned, 0.3);
 }
@@ -166,7 +166,7 @@ fn the_flagship_is_tuned_and_its_settings_can_be_used() {
     let (training, held_out) = (materials(&["f16-thesis-sine"]), materials(&["f16-thesis-doublet"]));
     let run = || {
         let tunable = prepare(Method::Smpe, &training, &held_out, 3, &|| ()).unwrap();
-        tune(tunable.as_ref(), &options(36, None), &|_| ()).unwrap()
+        tune(tunable.as_ref(), &options(36, None), &|| ()).unwrap()
     };
     let (first, second) = (run(), run());
     assert_eq!(format!("{first:?}"), format!("{second:?}"));
@@ -183,13 +183,13 @@ fn the_laws_of_cases_are_tuned() {
     for method in [Method::ThesisLaw, Method::ModelReference] {
         let [training, held_out] = method.standard().map(materials);
         let tunable = prepare(method, &training, &held_out, 3, &|| ()).unwrap();
-        let rule = tune(tunable.as_ref(), &options(0, None), &|_| ()).unwrap();
+        let rule = tune(tunable.as_ref(), &options(0, None), &|| ()).unwrap();
         println!("{}: {:.3}", rule.method, rule.training_rule);
         for (name, score) in tunable.runs(Part::HeldOut).iter().zip(&rule.rule_on_held_out) {
             println!("  {} {}: {score:?}", name.scenario, name.run);
             assert!(score.objective < FAILED, "{} {}", name.scenario, name.run);
         }
-        let tuning = tune(tunable.as_ref(), &options(45, None), &|_| ()).unwrap();
+        let tuning = tune(tunable.as_ref(), &options(45, None), &|| ()).unwrap();
         println!("{}\n{}", tuning.held_out.as_ref().unwrap().sentence(), tuning.settings_file);
         assert!(tuning.training_tuned <= tuning.training_rule);
         let file: toml::Table = tuning.settings_file.parse().unwrap();
