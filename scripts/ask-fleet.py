@@ -29,7 +29,7 @@ def main() -> int:
     blocks = re.findall(r"```sql\n(.*?)```", text, re.DOTALL)
     statements = [statement.strip() for block in blocks for statement in block.split(";") if statement.strip()]
     views, questions = statements[:2], statements[2:]
-    assert len(questions) == 10, f"{len(questions)} questions"
+    assert len(questions) == 11, f"{len(questions)} questions"
     of_fleet, of_study = answers(views + questions, fleet)[2:], answers(views + questions, study)[2:]
     for number, (one, other) in enumerate(zip(of_fleet, of_study), 1):
         assert one or other, f"question {number} has no answer"
@@ -41,6 +41,7 @@ def main() -> int:
     steepest = next(row for row in of_fleet[5] if row[1] == "Cm_alpha")
     assert steepest[0] == "2" and steepest[2] < 0, steepest
     assert of_study[9], "the campaign is not scored"
+    assert {row[0] for row in of_study[10]} == {"smpe", "ekf"}, of_study[10]
     # The table of columns in the document is the schema.
     table = text.split("### Estimates, schema 2")[1].split("### Logs")[0]
     named = [name.strip() for row in re.findall(r"^\| ([a-z0-9_, .]+) \|", table, re.MULTILINE) for name in row.split(",")]
@@ -50,7 +51,7 @@ def main() -> int:
     shown = [name for name in found if not name.startswith("budget_") or name == "budget_airspeed_scale"]
     assert sorted(named) == sorted(shown), set(named) ^ set(shown)
     assert len(found) - len(shown) == 10, found
-    print("the document is right: ten questions and the columns of the schema")
+    print("the document is right: eleven questions and the columns of the schema")
     return 0
 
 

@@ -1,12 +1,12 @@
 //! Predicts what a flight will tell: the Cramer-Rao bound of a model's parameters for an input, before anyone flies it.
 
-use phugoid_identification::model_file::{ModelFile, Parameter, Role};
+use phugoid_identification::model_file::ModelFile;
 use phugoid_identification::output::Output;
 use serde::Serialize;
 
 use super::fit::Fitted;
 use super::{DesignError, Kind};
-use phugoid_evaluation::accuracy::bound_with_noise;
+use phugoid_evaluation::accuracy::{bound_with_noise, in_order_of_bound};
 use phugoid_evaluation::cramer_rao::Bound;
 use phugoid_simulation::scenario::Scenario;
 
@@ -62,10 +62,7 @@ pub fn predict(fitted: &Fitted, model: &ModelFile) -> Result<Prediction, DesignE
     let at: Vec<f64> = (1..=POINTS).map(|k| end * k as f64 / POINTS as f64).collect();
     let noise = |output: Output| scenario_noise(&fitted.scenario, output);
     let bounds = bound_with_noise(&fitted.flight, model, &noise, &at)?;
-    // The bound's order: terms and offsets, then biases.
-    let is_bias = |p: &&Parameter| matches!(p.role, Role::Bias(_));
-    let ordered: Vec<&Parameter> =
-        model.estimated().filter(|p| !is_bias(p)).chain(model.estimated().filter(is_bias)).collect();
+    let ordered = in_order_of_bound(model);
     let of = |bound: &Bound, j: usize| bound.std_error.get(j).copied().unwrap_or(f64::INFINITY);
     let parameters: Vec<PredictedParameter> = ordered
         .iter()

@@ -6,7 +6,7 @@ use phugoid_identification::estimate::{CAPACITY, EstimateError, EstimateOptions,
 use phugoid_identification::estimation::{Estimation, EventKind};
 use phugoid_identification::lateral::LateralModel;
 use phugoid_identification::longitudinal::LongitudinalModel;
-use phugoid_identification::model_file::{InputHold, ModelFile, Role};
+use phugoid_identification::model_file::{InputHold, ModelFile, Parameter, Role};
 use phugoid_identification::motion::{Motion, MotionModel};
 use phugoid_identification::output::Output;
 use phugoid_identification::prepare::{Prepared, prepare};
@@ -18,6 +18,7 @@ use crate::ledger::{Ledger, LedgerError, recorded};
 use crate::monte_carlo::{Accuracy, Outcome};
 use phugoid_simulation::flight::{Flight, FlightError, fly, sense};
 use phugoid_simulation::scenario::Scenario;
+use phugoid_simulation::sensing::specification;
 
 /// Room for parameters of the longitudinal motion in the bound; the model's own count decides how many are used.
 const LONGITUDINAL_CAPACITY: usize = capacity(Axes::Longitudinal);
@@ -194,6 +195,38 @@ pub fn bound_with_noise(
         Axes::LateralDirectional => Asked::<LateralModel, _, _>::new(flight, model, noise)?.bound::<CAPACITY>(at),
         Axes::All => Asked::<SixModel, _, _>::new(flight, model, noise)?.bound::<CAPACITY>(at),
     }
+}
+
+/// As [`bound`], with what the model file expects of sensor biases and offsets, and with the noise that there really is: that of the
+/// scenario's sensors, and of a sensor without noise what the model file says. Where the aircraft is damaged in flight, from the
+/// samples since the last damage.
+///
+/// # Errors
+/// As [`bound`], but for the biases.
+pub fn bound_of_flight(flight: &Flight, model: &ModelFile, at: &[f64]) -> Result<Vec<Bound>, StudyError> {
+    let mut model = model.clone();
+    for (output, noise) in Output::ALL.iter().zip(model.noise.iter_mut()) {
+        let sensor = specification(&flight.scenario.sensors, output.name());
+        if let Some(sensor) = sensor.filter(|sensor| sensor.noise > 0.0) {
+            *noise = Some(sensor.noise);
+        }
+    }
+    let Some(since) = flight.scenario.damage.last().map(|damage| damage.at.si()) else {
+        return bound_with_noise(flight, &model, &|_| None, at);
+    };
+    let mut part = flight.clone();
+    let first = part.truth.time.partition_point(|t| *t < since - 1e-9);
+    part.truth.time.drain(..first);
+    for channel in &mut part.truth.channels {
+        channel.values.drain(..first);
+    }
+    bound_with_noise(&part, &model, &|_| None, at)
+}
+
+/// The parameters of a model in the order of [`Bound::std_error`]: terms and offsets, then biases.
+pub fn in_order_of_bound(model: &ModelFile) -> Vec<&Parameter> {
+    let is_bias = |p: &&Parameter| matches!(p.role, Role::Bias(_));
+    model.estimated().filter(|p| !is_bias(p)).chain(model.estimated().filter(is_bias)).collect()
 }
 
 /// The flight, the sensors and the parameters that a bound is asked for.

@@ -10,6 +10,9 @@ pub const SCHEMA: u32 = 2;
 /// The file by which the folder of a store is known; it holds the number of the schema.
 pub(crate) const STORE_MARK: &str = "phugoid-fleet-store.txt";
 
+/// The `parameter_status` of a row that is no estimate but the bound of any.
+pub const BOUND: &str = "bound";
+
 /// Number of quantities that a budget of systematic errors can have parts of.
 pub const QUANTITIES: usize = UncertainQuantity::ALL.len();
 
@@ -73,7 +76,7 @@ pub struct Row {
     pub lower: Option<f64>,
     /// Upper bound, `value + 2 std_error`.
     pub upper: Option<f64>,
-    /// How well the parameter is known: `converged`, `improving`, ...
+    /// How well the parameter is known: `converged`, `improving`, ...; [`BOUND`] where nothing was estimated.
     pub parameter_status: Option<String>,
     /// Whether the parameter is an offset or a bias that only keeps the others right.
     pub nuisance: Option<bool>,

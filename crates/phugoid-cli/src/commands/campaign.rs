@@ -5,6 +5,7 @@ use std::sync::atomic::AtomicBool;
 
 use phugoid_fleet::campaign::file::Campaign;
 use phugoid_fleet::campaign::layout::Layout;
+use phugoid_fleet::campaign::question::CRAMER_RAO;
 use phugoid_fleet::campaign::run::run as run_campaign;
 use phugoid_fleet::campaign::score::{COLUMNS, Score, Scoring, Unscored};
 use phugoid_fleet::run::{Share, Summary};
@@ -108,7 +109,10 @@ fn text(document: &Document, store: &Store) -> String {
                 "-".to_owned()
             },
             percent(score.coverage),
-            format!("{} to {}", percent(score.interval[0]), percent(score.interval[1])),
+            match score.coverage.is_finite() {
+                true => format!("{} to {}", percent(score.interval[0]), percent(score.interval[1])),
+                false => "-".to_owned(),
+            },
         ]);
     }
     format!(
@@ -125,7 +129,16 @@ fn text(document: &Document, store: &Store) -> String {
         s.rows,
         store.folder().display(),
         table.render()
-    ) + &without_score(&document.unscored)
+    ) + bound_in_words(&document.scores)
+        + &without_score(&document.unscored)
+}
+
+/// What stands in the table where no method has estimated.
+fn bound_in_words(scores: &[Score]) -> &'static str {
+    match scores.iter().any(|score| score.method == CRAMER_RAO) {
+        true => "Of cramer-rao rmse is the bound: the smallest that an unbiased method can have.\n",
+        false => "",
+    }
 }
 
 /// What the table of scores cannot show.

@@ -269,12 +269,13 @@ qdot = { noise = "0.32 deg/s^2" }
 fn a_campaign_is_flown_once_scored_and_grows() {
     let folder = Folder::new("fleet-campaign");
     folder.file("small.toml", SMALL);
-    folder.file("c.toml", CAMPAIGN);
+    let campaign = CAMPAIGN.replace("\"ekf\"", "\"ekf\", \"cramer-rao\"");
+    folder.file("c.toml", &campaign);
     let run = |store: &str, further: &[&str]| {
         phugoid(&folder.0, &[&["campaign", "c.toml", "--store", store, "--json"], further].concat()).json()
     };
     let whole = run("study", &[]);
-    assert_eq!((&whole["summary"]["estimated"], &whole["summary"]["refused"]), (&8.into(), &0.into()));
+    assert_eq!((&whole["summary"]["estimated"], &whole["summary"]["refused"]), (&12.into(), &0.into()));
     let scores = whole["scores"].as_array().unwrap();
     let score = |method: &str| {
         scores.iter().find(|s| s["method"] == method && s["parameter"] == "Cm_elevator").unwrap().clone()
@@ -284,16 +285,23 @@ fn a_campaign_is_flown_once_scored_and_grows() {
         assert_eq!(score["estimations"], 4);
         assert!(score["median_error"].as_f64().unwrap() < 0.2, "{score}");
     }
+    // What no unbiased method can be better than stands beside them; it claims nothing that may be wrong. Of four flights the ratio
+    // of an efficient method is 0.35 to 1.67 in 95 of 100 (chi-squared). This air is calm, and the model file declares turbulence, for
+    // which the filter leaves room: of twenty flights the ratio is 2.3.
+    let bound = score("cramer-rao");
+    assert!(bound["coverage"].is_null() && bound["median_error"].is_null(), "{bound}");
+    let ratio = score("smpe")["rmse"].as_f64().unwrap() / bound["rmse"].as_f64().unwrap();
+    assert!((0.35..6.0).contains(&ratio), "{ratio}");
     // In shards the store is the same; a second run finds all of it.
     run("shards", &["--shard", "2/2", "--workers", "1"]);
     assert_eq!(run("shards", &["--shard", "1/2"])["scores"], whole["scores"]);
     assert_eq!(content(&folder.0.join("shards")), content(&folder.0.join("study")));
-    assert_eq!(run("study", &[])["summary"]["found"], 8);
+    assert_eq!(run("study", &[])["summary"]["found"], 12);
     leave(&folder.0.join("study"), "study");
     // Another value of a factor flies what is new alone.
-    folder.file("c.toml", &CAMPAIGN.replace("values = [0.05, 0.2]", "values = [0.05, 0.1, 0.2]"));
+    folder.file("c.toml", &campaign.replace("values = [0.05, 0.2]", "values = [0.05, 0.1, 0.2]"));
     let grown = run("study", &[]);
-    assert_eq!((&grown["summary"]["found"], &grown["summary"]["estimated"]), (&8.into(), &4.into()));
+    assert_eq!((&grown["summary"]["found"], &grown["summary"]["estimated"]), (&12.into(), &6.into()));
     // The scenario that a file names counts by its content.
     folder.file("small.toml", &SMALL.replace("8 s", "9 s"));
     assert_eq!(run("study", &[])["summary"]["found"], 0);

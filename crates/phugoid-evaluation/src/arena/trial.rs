@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use super::criteria::{CYCLES, TOLERANCE};
 use super::entry::Entry;
-use crate::accuracy::{StudyError, bound_with_noise};
+use crate::accuracy::{StudyError, bound_of_flight, in_order_of_bound};
 use crate::settling::settled_at;
 use phugoid_simulation::flight::{Flight, fly};
 use phugoid_simulation::scenario::Scenario;
@@ -156,26 +156,11 @@ fn bounds(flight: &Flight, entry: &Entry, at: &[f64]) -> Result<Option<Vec<Vec<f
     if drifts || entry.model.axes != Axes::Longitudinal {
         return Ok(None);
     }
-    let mut model = entry.model.clone();
-    for (index, noise) in model.noise.iter_mut().enumerate() {
-        let output = phugoid_identification::output::Output::ALL.get(index);
-        let sensor =
-            output.and_then(|o| phugoid_simulation::sensing::specification(&flight.scenario.sensors, o.name()));
-        if let Some(sensor) = sensor.filter(|sensor| sensor.noise > 0.0) {
-            *noise = Some(sensor.noise);
-        }
-    }
-    let since = flight.scenario.damage.last().map_or(f64::NEG_INFINITY, |damage| damage.at.si());
-    let mut part = flight.clone();
-    let first = part.truth.time.partition_point(|t| *t < since - 1e-9);
-    part.truth.time.drain(..first);
-    for channel in &mut part.truth.channels {
-        channel.values.drain(..first);
-    }
-    let of_model: Vec<&str> = model.estimated().map(|p| p.name.as_str()).collect();
+    let model = &entry.model;
+    let of_bound: Vec<&str> = in_order_of_bound(model).iter().map(|p| p.name.as_str()).collect();
     let places: Vec<Option<usize>> =
-        judged(&model).iter().map(|name| of_model.iter().position(|known| known == name)).collect();
-    let found = bound_with_noise(&part, &model, &|_| None, at)?;
+        judged(model).iter().map(|name| of_bound.iter().position(|known| known == name)).collect();
+    let found = bound_of_flight(flight, model, at)?;
     let chosen = |std_error: &[f64]| -> Vec<f64> {
         places.iter().map(|place| place.and_then(|k| std_error.get(k)).copied().unwrap_or(f64::NAN)).collect()
     };

@@ -3,12 +3,12 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use phugoid_identification::method::Method;
 use phugoid_identification::model_file::{ModelError, ModelFile};
 use phugoid_simulation::scenario::{BUILT_IN, nearest};
 use serde::Deserialize;
 
 use super::design::Design;
+use super::question::Question;
 use super::vary::{Factor, FactorError};
 
 /// A campaign: scenarios, models, methods, seeds, and what is varied.
@@ -21,8 +21,8 @@ pub struct Campaign {
     pub scenarios: Vec<String>,
     /// Models: files (relative to this file), or names of built-in ones.
     pub models: Vec<String>,
-    /// Methods by name.
-    pub methods: Vec<Method>,
+    /// Methods by name, and `cramer-rao`.
+    pub methods: Vec<Question>,
     /// Number of seeds of noise and turbulence, each flown at each point.
     #[serde(default = "one")]
     pub seeds: u32,

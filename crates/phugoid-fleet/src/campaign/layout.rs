@@ -5,13 +5,13 @@ use std::ops::Range;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use phugoid_identification::method::Method;
 use phugoid_identification::model_file::ModelFile;
 use serde_json::json;
 use toml::{Table, Value};
 
 use super::design::{Cube, Design};
 use super::file::{Campaign, CampaignError};
+use super::question::Question;
 use super::unit::{NamedFiles, Unit, source_sha256};
 use super::vary::{Factor, Target};
 use crate::content::{base_hashes, model_sha256};
@@ -48,7 +48,7 @@ enum Points {
 /// method. What estimates one flight follows one another, so that it is flown once.
 pub struct Layout {
     vary: Vec<Factor>,
-    methods: Vec<Method>,
+    methods: Vec<Question>,
     seeds: usize,
     scenarios: Vec<Base>,
     models: Vec<Base>,
@@ -160,7 +160,7 @@ impl Layout {
     }
 
     /// Scenario, model, point, seed and method of an estimation.
-    fn parts(&self, number: usize) -> (&Base, &Base, usize, u64, Method) {
+    fn parts(&self, number: usize) -> (&Base, &Base, usize, u64, Question) {
         let (group, within) = (number / self.of_a_group(), number % self.of_a_group());
         let (point, within) = (within / self.of_a_point(), within % self.of_a_point());
         let (seed, method) = (within / self.methods.len(), within % self.methods.len());

@@ -5,6 +5,7 @@ pub mod design;
 pub mod file;
 pub mod kept;
 pub mod layout;
+pub mod question;
 #[cfg(feature = "parquet")]
 pub mod run;
 pub mod score;

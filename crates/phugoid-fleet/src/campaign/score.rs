@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use phugoid_evaluation::statistics::{clopper_pearson, median};
 use serde::Serialize;
 
-use crate::row::Row;
+use crate::row::{BOUND, Row};
 
 /// The score of one method for one parameter.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -22,7 +22,8 @@ pub struct Score {
     pub estimations: usize,
     /// Of those, without numbers or with the word not to use them.
     pub refused: usize,
-    /// Root mean square error, in the unit of the parameter; of those that are not refused. NaN without any.
+    /// Root mean square error, in the unit of the parameter; of those that are not refused. NaN without any. Of `cramer-rao` the root
+    /// mean square of the bound: the smallest error that an unbiased method can have.
     pub rmse: f64,
     /// Median of the absolute error as a part of the truth. NaN where the truth is zero or unknown.
     pub median_error: f64,
@@ -54,7 +55,7 @@ pub struct Unscored {
 }
 
 /// The columns of the store that are scored.
-pub const COLUMNS: [&str; 12] = [
+pub const COLUMNS: [&str; 14] = [
     "kind",
     "scenario",
     "model",
@@ -64,6 +65,8 @@ pub const COLUMNS: [&str; 12] = [
     "message",
     "parameter",
     "value",
+    "std_error",
+    "parameter_status",
     "converged_at_s",
     "truth",
     "covered",
@@ -100,6 +103,8 @@ impl Without {
 struct Group {
     rows: usize,
     used: usize,
+    /// Estimates with a claim that may be wrong.
+    judged: usize,
     covered: usize,
     errors: usize,
     squares: f64,
@@ -164,6 +169,12 @@ impl Group {
             return;
         }
         self.used += 1;
+        if row.parameter_status.as_deref() == Some(BOUND) {
+            self.errors += 1;
+            self.squares += row.std_error.map_or(f64::NAN, |bound| bound * bound);
+            return;
+        }
+        self.judged += 1;
         self.covered += usize::from(row.covered == Some(true));
         self.converged_s.push(row.converged_at_s.unwrap_or(f64::INFINITY));
         if let Some(value) = row.value {
@@ -188,8 +199,8 @@ impl Group {
             rmse: (self.squares / self.errors as f64).sqrt(),
             median_error: median(self.parts),
             converged_s: median(self.converged_s),
-            coverage: self.covered as f64 / self.used as f64,
-            interval: clopper_pearson(self.covered, self.used),
+            coverage: self.covered as f64 / self.judged as f64,
+            interval: if self.judged > 0 { clopper_pearson(self.covered, self.judged) } else { [f64::NAN; 2] },
         }
     }
 }

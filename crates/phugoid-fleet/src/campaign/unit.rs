@@ -4,14 +4,17 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use phugoid_evaluation::accuracy::{bound_of_flight, in_order_of_bound};
 use phugoid_identification::estimate::{EstimateOptions, estimate};
-use phugoid_identification::method::Method;
+use phugoid_identification::model_file::{ModelFile, Parameter};
+use phugoid_simulation::flight::Flight;
 use toml::{Table, Value};
 
 use super::kept::{Kept, Problem};
+use super::question::Question;
 use crate::content::aircraft_hashes;
 use crate::key::{VERSION, hash_file, key};
-use crate::row::{Refusal, Row};
+use crate::row::{BOUND, Refusal, Row, finite};
 
 /// A flight and how it is estimated, with everything that decides on the result.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,8 +31,8 @@ pub struct Unit {
     pub model_folder: PathBuf,
     /// Its text, with the values of the factors.
     pub model: Arc<str>,
-    /// The method.
-    pub method: Method,
+    /// What is asked of the flight.
+    pub method: Question,
     /// The seed that is flown.
     pub seed: u64,
     /// SHA-256 of the scenario as it is flown: its text, the seed, and the content of every file that the text names.
@@ -75,20 +78,45 @@ impl Unit {
             Err(Problem::Model(error)) => return vec![common.refused(Refusal::NotEstimated, error)],
             Err(Problem::Flight(error)) => return vec![common.refused(Refusal::NotFlown, error)],
         };
+        let time = &flight.measured.time;
+        let duration_s = time.first().zip(time.last()).map(|(first, last)| last - first);
+        let common = Row { duration_s, ..common };
+        let Question::Estimate(method) = self.method else { return bound(&common, model, flight) };
         let options = EstimateOptions {
-            method: Some(self.method),
+            method: Some(method),
             truth: flight.true_parameters.clone(),
             ..EstimateOptions::causal()
         };
         match estimate(&flight.measured, model, &options, &mut |_| {}) {
-            Ok(estimation) => {
-                let time = &flight.measured.time;
-                let duration_s = time.first().zip(time.last()).map(|(first, last)| last - first);
-                Row { duration_s, ..common }.of_estimation(&estimation)
-            }
+            Ok(estimation) => common.of_estimation(&estimation),
             Err(error) => vec![common.refused(Refusal::NotEstimated, error.to_string())],
         }
     }
+}
+
+/// The smallest standard errors that any unbiased estimator can have of a flight; `common` is what the rows have in common.
+fn bound(common: &Row, model: &ModelFile, flight: &Flight) -> Vec<Row> {
+    let end = flight.truth.time.last().copied().unwrap_or(0.0);
+    let last = bound_of_flight(flight, model, &[end]).map(|mut bounds| bounds.pop());
+    let std_error = match last {
+        Ok(bound) => bound.map(|bound| bound.std_error).unwrap_or_default(),
+        Err(error) => return vec![common.refused(Refusal::NotEstimated, error.to_string())],
+    };
+    let row = |(place, parameter): (usize, &Parameter)| {
+        let std_error = std_error.get(place).copied().and_then(finite);
+        Row {
+            status: "sound".to_owned(),
+            parameter: Some(parameter.name.clone()),
+            unit: Some(parameter.unit()),
+            std_error,
+            random_std: std_error,
+            parameter_status: Some(if std_error.is_some() { BOUND } else { "not_excited" }.to_owned()),
+            nuisance: Some(parameter.is_nuisance()),
+            truth: flight.true_parameters.get(&parameter.name).copied().and_then(finite),
+            ..common.clone()
+        }
+    };
+    in_order_of_bound(model).into_iter().enumerate().map(row).collect()
 }
 
 /// SHA-256 of a scenario as it is flown: its text, the seed, and the content of every file that the text names, in the order of
