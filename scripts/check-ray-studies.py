@@ -13,45 +13,18 @@ from __future__ import annotations
 import os
 import random
 import shutil
-import signal
 import subprocess
 import sys
 import tempfile
 import time
 from pathlib import Path
 
+from killing import content, descendants, kill
 
 
-def processes() -> dict[int, tuple[int, list[str]]]:
-    """Parent and words of every process."""
-    found = {}
-    for folder in Path("/proc").iterdir():
-        if folder.name.isdigit():
-            try:
-                parent = int((folder / "stat").read_text().rsplit(")", 1)[1].split()[1])
-                words = (folder / "cmdline").read_bytes().decode(errors="replace").split("\0")
-            except OSError:
-                continue
-            found[int(folder.name)] = (parent, words)
-    return found
-
-
-def shards(store: Path) -> list[int]:
-    """The programs that make the runs of a store."""
-    return sorted(number for number, (_, words) in processes().items() if "--shard" in words and str(store) in words)
-
-
-def content(store: Path) -> dict[str, bytes]:
-    files = (file for file in store.rglob("*") if file.is_file() and not file.name.startswith(".phugoid-"))
-    return {str(file.relative_to(store)): file.read_bytes() for file in files}
-
-
-def kill(number: int) -> bool:
-    try:
-        os.kill(number, signal.SIGKILL)
-    except ProcessLookupError:
-        return False
-    return True
+def shards(driver: int) -> list[int]:
+    """The programs of shards that a program has begun, by tasks of Ray."""
+    return sorted(number for number, command in descendants(driver) if " --shard " in command)
 
 
 def main() -> None:
@@ -78,7 +51,7 @@ def main() -> None:
     killed = 0
     while driver.poll() is None:
         time.sleep(chance.uniform(0.2, 1.0))
-        at_work = shards(folder / "shards")
+        at_work = shards(driver.pid)
         if at_work and killed < int(kills):
             killed += kill(chance.choice(at_work))
     out, _ = driver.communicate()

@@ -10,10 +10,8 @@ Needs the Python package (scripts/check-python.sh) and Ray. The numbers are prin
 
 from __future__ import annotations
 
-import os
 import random
 import shutil
-import signal
 import statistics
 import subprocess
 import sys
@@ -24,15 +22,11 @@ from pathlib import Path
 
 import phugoid
 
+from killing import content, descendants, kill
+
 MODEL = "hfb320"
 #: The program that is killed: it estimates the logs into a store.
 DRIVER = "import sys, phugoid; print(phugoid.fleet(sys.argv[1], sys.argv[2], sys.argv[3], engine='ray', workers=2))"
-
-
-def content(store: Path) -> dict[str, bytes]:
-    """Every file of a store; what is half written has another name and is no part of it."""
-    files = (file for file in store.rglob("*") if file.is_file() and not file.name.startswith(".phugoid-"))
-    return {str(file.relative_to(store)): file.read_bytes() for file in files}
 
 
 def same(store: Path, expected: dict[str, bytes], what: str) -> None:
@@ -42,32 +36,6 @@ def same(store: Path, expected: dict[str, bytes], what: str) -> None:
     if lost or added or changed:
         sys.exit(f"{what}: {len(lost)} files lost, {len(added)} too many, {len(changed)} changed: {store}")
     print(f"{what}: the same {len(found)} files, byte for byte", flush=True)
-
-
-def descendants(of: int) -> list[tuple[int, str]]:
-    """Number and command line of every process that this one has begun, and that those have."""
-    parents: dict[int, tuple[int, str]] = {}
-    for folder in Path("/proc").iterdir():
-        if folder.name.isdigit():
-            try:
-                parent = int((folder / "stat").read_text().rsplit(")", 1)[1].split()[1])
-                command = (folder / "cmdline").read_bytes().replace(b"\0", b" ").decode(errors="replace")
-            except OSError:
-                continue
-            parents[int(folder.name)] = (parent, command)
-    found, new = [], [of]
-    while new:
-        new = [number for number, (parent, _) in parents.items() if parent in new]
-        found.extend((number, parents[number][1]) for number in new)
-    return found
-
-
-def kill(number: int) -> bool:
-    try:
-        os.kill(number, signal.SIGKILL)
-    except ProcessLookupError:
-        return False
-    return True
 
 
 def start(logs: Path, store: Path) -> subprocess.Popen[bytes]:

@@ -3,12 +3,13 @@
 //! A key has to change with everything that decides on a row. The text of a model file with a `base` says only where the aircraft
 //! is; an aircraft of JSBSim is a file that names further ones (engines, systems).
 
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use phugoid_aircraft::flown::{AircraftFile, FlownOptions};
 use phugoid_identification::model_file::ModelFile;
+use toml::{Table, Value};
 
-use crate::campaign::unit::{NamedFiles, source_sha256};
 use crate::key::{hash, hash_file, key};
 
 /// SHA-256 of a file in TOML with the content of every file that it names: of a scenario, a case, an entry of the arena, or a model.
@@ -22,6 +23,51 @@ pub fn source_of(file: &Path) -> std::io::Result<String> {
     // One that is no model has no `base`.
     let base = ModelFile::open(file).map_or_else(|_| Vec::new(), |model| base_hashes(&model));
     Ok(model_sha256(&of_file, &base))
+}
+
+/// SHA-256 of a scenario as it is flown: its text, the seed, and the content of every file that the text names, in the order of
+/// the text. `folder` is where relative paths begin.
+pub(crate) fn source_sha256(scenario: &str, seed: u64, folder: &Path, files: &mut NamedFiles) -> String {
+    let mut named = Vec::new();
+    if let Ok(table) = toml::from_str::<Table>(scenario) {
+        table.iter().for_each(|(key, value)| files.named_in(key, value, folder, &mut named));
+    }
+    let seed = seed.to_string();
+    let mut parts = vec![("scenario", scenario), ("seed", seed.as_str())];
+    parts.extend(named.iter().map(|hash| ("file", hash.as_str())));
+    key(&parts)
+}
+
+/// Hashes of the files that scenarios name, each read once. Words that name no file are not kept: a number with its unit may be
+/// another one in every flight.
+#[derive(Debug, Default)]
+pub struct NamedFiles(HashMap<PathBuf, Vec<String>>);
+
+impl NamedFiles {
+    /// Hashes of the files that texts in a value name. `key` is the key under which the value stands.
+    pub(crate) fn named_in(&mut self, key: &str, value: &Value, folder: &Path, named: &mut Vec<String>) {
+        match value {
+            Value::Table(table) => table.iter().for_each(|(key, value)| self.named_in(key, value, folder, named)),
+            Value::Array(list) => list.iter().for_each(|value| self.named_in(key, value, folder, named)),
+            Value::String(text) => {
+                let path = folder.join(text);
+                if let Some(hashes) = self.0.get(&path) {
+                    named.extend_from_slice(hashes);
+                    return;
+                }
+                let hashes = match key == "file" {
+                    // An aircraft, which may be in several files.
+                    true => aircraft_hashes(&path),
+                    false => hash_file(&path).ok().map(|(hash, _)| hash).into_iter().collect(),
+                };
+                if !hashes.is_empty() {
+                    named.extend_from_slice(&hashes);
+                    self.0.insert(path, hashes);
+                }
+            }
+            _ => {}
+        }
+    }
 }
 
 /// SHA-256 of what a model file says: of its text, and if it has a `base` with files, of these as well, as [`base_hashes`] gives them.

@@ -17,9 +17,8 @@ use phugoid_flight_data::output_file::OutputFile;
 use phugoid_identification::estimation::UncertainQuantity;
 
 use crate::logs::LogRow;
-use crate::row::{Row, SCHEMA};
+use crate::row::{Row, RunRow, SCHEMA};
 use crate::store::StoreError;
-use crate::study::RunRow;
 
 /// How one column is taken from a row and put into one.
 enum Column<R> {
@@ -35,8 +34,10 @@ enum Column<R> {
 /// A kind of row: its columns, and the budget where it has one.
 pub(crate) trait Stored: Default {
     fn columns() -> Vec<(String, ColumnOf<Self>)>;
-    fn budget(&self, place: usize) -> Option<f64>;
-    fn set_budget(&mut self, place: usize, value: Option<f64>);
+    fn budget(&self, _: usize) -> Option<f64> {
+        None
+    }
+    fn set_budget(&mut self, _: usize, _: Option<f64>) {}
 }
 
 pub(crate) struct ColumnOf<R>(Column<R>);
@@ -128,12 +129,6 @@ impl Stored for LogRow {
             column!(number hours),
         ]
     }
-
-    fn budget(&self, _: usize) -> Option<f64> {
-        None
-    }
-
-    fn set_budget(&mut self, _: usize, _: Option<f64>) {}
 }
 
 impl Stored for RunRow {
@@ -147,12 +142,6 @@ impl Stored for RunRow {
             column!(word result),
         ]
     }
-
-    fn budget(&self, _: usize) -> Option<f64> {
-        None
-    }
-
-    fn set_budget(&mut self, _: usize, _: Option<f64>) {}
 }
 
 /// Names and types of the columns of [`Row`], in the order of the file, as DuckDB calls the types.

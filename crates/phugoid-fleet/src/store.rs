@@ -18,9 +18,8 @@ use std::path::{Path, PathBuf};
 use phugoid_flight_data::output_file;
 
 use crate::logs::LogRow;
-use crate::row::{Row, SCHEMA, STORE_MARK};
+use crate::row::{Row, RunRow, SCHEMA, STORE_MARK};
 use crate::schema;
-use crate::study::RunRow;
 
 /// Why the store cannot be used.
 #[derive(Debug, thiserror::Error)]

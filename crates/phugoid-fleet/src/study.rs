@@ -4,30 +4,12 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use phugoid_evaluation::ledger::{Ledger, LedgerError};
-use serde::{Deserialize, Serialize};
 
 use crate::key::{VERSION, key};
+use crate::row::RunRow;
 use crate::run::Progress;
 use crate::shard::Shard;
 use crate::store::{Store, StoreError};
-
-/// What one run of a study has measured. A row depends on nothing but what the study asks and the version of this program;
-/// computing times, which `compare` measures, are those of whoever made the run.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct RunRow {
-    /// Key of the run, 64 hexadecimal digits: of all columns but the last, and of the content of the files that the study names.
-    pub key: String,
-    /// The study: `accuracy`, `damage`, `recovery`, ...; `compare`; `tune`.
-    pub study: String,
-    /// Version of this program.
-    pub version: String,
-    /// What all runs of one kind have in common: the question, methods, options, times.
-    pub inputs: String,
-    /// Which of them: its seed or its number, and what it was made with.
-    pub run: String,
-    /// What was measured, as JSON. Numbers that are not finite are the words `NaN`, `inf` and `-inf`.
-    pub result: String,
-}
 
 /// The store as the ledger of one study. `told` hears how far it has come, from any thread.
 pub struct StudyLedger<T: Fn(Progress) + Sync> {

@@ -12,9 +12,9 @@ use toml::{Table, Value};
 use super::design::{Cube, Design};
 use super::file::{Campaign, CampaignError};
 use super::question::Question;
-use super::unit::{NamedFiles, Unit, source_sha256};
+use super::unit::Unit;
 use super::vary::{Factor, Target};
-use crate::content::{base_hashes, model_sha256};
+use crate::content::{NamedFiles, base_hashes, model_sha256, source_sha256};
 use crate::key::{Hasher, hash};
 
 /// A file that is varied: as the campaign names it, its text, and its keys with their values.

@@ -4,7 +4,7 @@ use std::sync::atomic::AtomicBool;
 
 use super::kept::Kept;
 use super::layout::{Block, Layout};
-use super::unit::NamedFiles;
+use crate::content::NamedFiles;
 use crate::run::{Progress, RunError, Share, Summary, Work, each, is_refused, pool, share_out};
 use crate::shard::Shard;
 use crate::store::Store;

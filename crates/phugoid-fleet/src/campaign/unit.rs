@@ -1,19 +1,16 @@
 //! One unit of a campaign: a flight is simulated and estimated, and the result is scored against the truth.
 
-use std::collections::HashMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use phugoid_evaluation::accuracy::{bound_of_flight, in_order_of_bound};
 use phugoid_identification::estimate::{EstimateOptions, estimate};
 use phugoid_identification::model_file::{ModelFile, Parameter};
 use phugoid_simulation::flight::Flight;
-use toml::{Table, Value};
 
 use super::kept::{Kept, Problem};
 use super::question::Question;
-use crate::content::aircraft_hashes;
-use crate::key::{VERSION, hash_file, key};
+use crate::key::{VERSION, key};
 use crate::row::{BOUND, Refusal, Row, finite};
 
 /// A flight and how it is estimated, with everything that decides on the result.
@@ -117,49 +114,4 @@ fn bound(common: &Row, model: &ModelFile, flight: &Flight) -> Vec<Row> {
         }
     };
     in_order_of_bound(model).into_iter().enumerate().map(row).collect()
-}
-
-/// SHA-256 of a scenario as it is flown: its text, the seed, and the content of every file that the text names, in the order of
-/// the text. `folder` is where relative paths begin.
-pub(crate) fn source_sha256(scenario: &str, seed: u64, folder: &Path, files: &mut NamedFiles) -> String {
-    let mut named = Vec::new();
-    if let Ok(table) = toml::from_str::<Table>(scenario) {
-        table.iter().for_each(|(key, value)| files.named_in(key, value, folder, &mut named));
-    }
-    let seed = seed.to_string();
-    let mut parts = vec![("scenario", scenario), ("seed", seed.as_str())];
-    parts.extend(named.iter().map(|hash| ("file", hash.as_str())));
-    key(&parts)
-}
-
-/// Hashes of the files that scenarios name, each read once. Words that name no file are not kept: a number with its unit may be
-/// another one in every flight.
-#[derive(Debug, Default)]
-pub struct NamedFiles(HashMap<PathBuf, Vec<String>>);
-
-impl NamedFiles {
-    /// Hashes of the files that texts in a value name. `key` is the key under which the value stands.
-    pub(super) fn named_in(&mut self, key: &str, value: &Value, folder: &Path, named: &mut Vec<String>) {
-        match value {
-            Value::Table(table) => table.iter().for_each(|(key, value)| self.named_in(key, value, folder, named)),
-            Value::Array(list) => list.iter().for_each(|value| self.named_in(key, value, folder, named)),
-            Value::String(text) => {
-                let path = folder.join(text);
-                if let Some(hashes) = self.0.get(&path) {
-                    named.extend_from_slice(hashes);
-                    return;
-                }
-                let hashes = match key == "file" {
-                    // An aircraft, which may be in several files.
-                    true => aircraft_hashes(&path),
-                    false => hash_file(&path).ok().map(|(hash, _)| hash).into_iter().collect(),
-                };
-                if !hashes.is_empty() {
-                    named.extend_from_slice(&hashes);
-                    self.0.insert(path, hashes);
-                }
-            }
-            _ => {}
-        }
-    }
 }
