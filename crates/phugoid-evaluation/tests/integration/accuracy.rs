@@ -106,6 +106,21 @@ fn the_value_before_a_change_is_from_before_it() {
     }
 }
 
+/// A second or two of motion are left to judge these flights by after the change, and free values of the terms explain 69, 79 and 62 % of the
+/// noise of an acceleration there, where the estimates, which are right, explain 37, 41 and less than none.
+#[test]
+fn right_values_after_a_change_are_not_doubted_for_a_second_of_noise() {
+    let model = ModelFile::parse("f16-damage-model", DAMAGE_MODEL).unwrap();
+    for seed in [25, 33, 61] {
+        let mut scenario = Scenario::parse(DAMAGE_SCENARIO, "f16-damage").unwrap();
+        scenario.seed = seed;
+        let flight = fly(&scenario).unwrap();
+        let measured = sense(&flight.truth, &scenario, seed).unwrap();
+        let estimation = estimate(&measured, &model, &EstimateOptions::default(), &mut |_| {}).unwrap();
+        assert_eq!(estimation.reasons, [], "{seed}");
+    }
+}
+
 /// Gusts, actuators, an engine that breathes, biases, outliers, dropped frames and a slow altimeter at once: the bounds of
 /// the four increments hold, and nobody believes in damage.
 #[test]

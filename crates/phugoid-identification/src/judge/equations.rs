@@ -19,6 +19,7 @@ use crate::batch::{
 use crate::core::options::{CAPACITY, Likelihood};
 use crate::core::output::Output;
 use crate::core::term::{Coefficient, Term};
+use crate::judge::chance::ratio_above;
 use crate::methods::{Run, Task};
 use crate::model_file::Role;
 use crate::motion::{MotionModel, terms};
@@ -48,6 +49,8 @@ pub(crate) struct Equations {
     pub(crate) columns: Vec<Column>,
     start_s: f64,
     blocks: usize,
+    /// Part of the rows of which the errors are independent where those of the samples are: one per half a window, see [`by_chance()`].
+    independent: f64,
     equations: Vec<Equation>,
 }
 
@@ -61,6 +64,8 @@ struct Equation {
     offset: Vec<f64>,
     /// Sums of products of `[regressors, residual, 1]` by block.
     sums: Vec<DMatrix<f64>>,
+    /// The same of the sums, and of the differences, of each row and the one half a window before it, by the block of the later one.
+    pairs: [Vec<DMatrix<f64>>; 2],
 }
 
 /// One equation by block, as regressors and residuals were measured.
@@ -103,6 +108,10 @@ impl ByBlock {
     }
 }
 
+/// Singular value of the products of regressors of unit length below which it is none.
+const LEAST_PART: f64 = 1e-9;
+/// Correlation that is taken from rows at the most: beyond, hardly anything of the constant is left, which need not be judged.
+const MOST_COLOUR: f64 = 0.99;
 /// Most iterations of a singular value decomposition: some ten are usual.
 const MOST_SWEEPS: usize = 500;
 
@@ -117,6 +126,8 @@ pub(crate) struct Explained {
     pub(crate) by_estimates: f64,
     /// The share that the best values of the same terms explain.
     pub(crate) by_terms: f64,
+    /// How often chance makes what the best values explain beyond the estimates as much as it is, 0 to 1.
+    pub(crate) by_chance: f64,
 }
 
 impl Explained {
@@ -154,15 +165,18 @@ impl Equations {
             maximum_gap_s: f64::INFINITY,
             likelihood: Likelihood::Gaussian,
         };
-        let settings = EquationErrorSettings::automatic(median_step(&prepared.time)?);
+        let step_s = median_step(&prepared.time)?;
+        let settings = EquationErrorSettings::automatic(step_s);
+        let half_window_s = settings.half_window_s;
         let outputs = with_predicted::<N, R>(&prepared.outputs, |row| file.outputs[names[row].index()], &run.predicted);
         let time = &prepared.time;
         let (start_s, end_s) = (*time.first()?, *time.last()?);
         let blocks = ((end_s - start_s) / BLOCK_S).floor() as usize + 1;
-        let mut found = Self { columns, start_s, blocks, equations: Vec::new() };
+        let independent = step_s / half_window_s;
+        let mut found = Self { columns, start_s, blocks, independent, equations: Vec::new() };
         for first in (0..blocks).step_by(CHUNK) {
             let [from_s, to_s] = [first, first + CHUNK].map(|block| start_s + block as f64 * BLOCK_S);
-            let margin = 2.0 * settings.half_window_s;
+            let margin = 2.0 * half_window_s;
             let [from, to] = [from_s - margin, to_s + margin].map(|t| time.partition_point(|s| *s < t));
             if to - from < 4 {
                 continue;
@@ -181,10 +195,16 @@ impl Equations {
             let Ok(rows) = equations_at(&part, &structure, &settings, &values) else { continue };
             for (k, t) in time[from..to].iter().enumerate().filter(|(_, t)| (from_s..to_s).contains(*t)) {
                 let Some(block) = found.block(*t) else { continue };
+                let at_s = *t - half_window_s;
+                let before = time[from..to].partition_point(|s| *s < at_s - 0.5 * step_s);
+                let before = (time[from + before] < at_s + 0.5 * step_s).then_some(before);
                 for row in 0..R {
-                    let residual = rows.residuals[k][row];
-                    if residual.is_finite() {
-                        found.add(names[row], block, rows.sensitivity(k, row), residual, &values);
+                    let at = |k: usize| {
+                        Some((rows.sensitivity(k, row), rows.residuals[k][row]))
+                            .filter(|(_, residual)| residual.is_finite())
+                    };
+                    if let Some(now) = at(k) {
+                        found.add(names[row], block, now, before.and_then(at), &values);
                     }
                 }
             }
@@ -209,7 +229,9 @@ impl Equations {
         (block >= 0.0 && block < self.blocks as f64).then_some(block as usize)
     }
 
-    fn add(&mut self, output: Output, block: usize, regressors: &[f64], residual: f64, values: &[f64]) {
+    /// A row of an equation, its regressors and its residual, and the one half a window before it.
+    fn add(&mut self, output: Output, block: usize, now: (&[f64], f64), before: Option<(&[f64], f64)>, values: &[f64]) {
+        let (regressors, residual) = now;
         let place = match self.equations.iter().position(|e| e.output == output) {
             Some(place) => place,
             None => {
@@ -221,19 +243,21 @@ impl Equations {
                 offset.push(residual);
                 let size = used.len() + 2;
                 let own = used.iter().map(|&j| values[j]).collect();
-                let sums = vec![DMatrix::zeros(size, size); self.blocks];
-                self.equations.push(Equation { output, used, values: own, offset, sums });
+                let [sums, of_sums, of_differences] = [0, 1, 2].map(|_| vec![DMatrix::zeros(size, size); self.blocks]);
+                let pairs = [of_sums, of_differences];
+                self.equations.push(Equation { output, used, values: own, offset, sums, pairs });
                 self.equations.len() - 1
             }
         };
         let equation = &mut self.equations[place];
-        let u = equation.used.len();
-        let mut row = DVector::from_element(u + 2, 1.0);
-        for (i, &j) in equation.used.iter().enumerate() {
-            row[i] = regressors[j] - equation.offset[i];
+        let now = equation.row(regressors, residual);
+        equation.sums[block].ger(1.0, &now, &now, 1.0);
+        if let Some((regressors, residual)) = before {
+            let before = equation.row(regressors, residual);
+            for (products, row) in equation.pairs.iter_mut().zip([&now + &before, now - before]) {
+                products[block].ger(1.0, &row, &row, 1.0);
+            }
         }
-        row[u] = residual - equation.offset[u];
-        equation.sums[block].ger(1.0, &row, &row, 1.0);
     }
 
     /// The blocks in which the regressor of a column moves, and those right after them, in which the aircraft answers.
@@ -260,14 +284,24 @@ impl Equations {
             for i in 0..equation.used.len() {
                 equation.moving(i).into_iter().for_each(|block| moves[block] = true);
             }
-            equation
-                .explained(moves.iter().enumerate().filter(|(block, moves)| **moves && *block >= first).map(|m| m.0))
+            let judged = moves.iter().enumerate().filter(|(block, moves)| **moves && *block >= first).map(|m| m.0);
+            equation.explained(judged, self.independent)
         };
         self.equations.iter().filter_map(of).collect()
     }
 }
 
 impl Equation {
+    /// Regressors that are used, the residual and one, without the offsets.
+    fn row(&self, regressors: &[f64], residual: f64) -> DVector<f64> {
+        let u = self.used.len();
+        DVector::from_fn(u + 2, |i, _| match i {
+            _ if i < u => regressors[self.used[i]] - self.offset[i],
+            _ if i == u => residual - self.offset[u],
+            _ => 1.0,
+        })
+    }
+
     fn by_block(&self) -> ByBlock {
         let size = self.used.len() + 1;
         // The offsets are put back: value = sum of rows with the constant one in the last place.
@@ -303,24 +337,52 @@ impl Equation {
         present.into_iter().filter(|&block| most > 0.0 && power(block) >= MOVES * most).collect()
     }
 
-    fn explained(&self, blocks: impl Iterator<Item = usize>) -> Option<Explained> {
+    /// Of some blocks; `independent` is the part of the rows of which the errors are independent at best.
+    fn explained(&self, blocks: impl Iterator<Item = usize>, independent: f64) -> Option<Explained> {
         let u = self.used.len();
-        let mut sum: DMatrix<f64> = DMatrix::zeros(u + 2, u + 2);
-        let mut count = 0;
-        for block in blocks {
-            sum += &self.sums[block];
-            count += 1;
-        }
-        let samples = sum[(u + 1, u + 1)];
-        if samples < FEWEST {
+        let blocks: Vec<usize> = blocks.collect();
+        let over = |by_block: &[DMatrix<f64>]| {
+            blocks.iter().fold(DMatrix::zeros(u + 2, u + 2), |sum, &block| sum + &by_block[block])
+        };
+        let sum = over(&self.sums);
+        if sum[(u + 1, u + 1)] < FEWEST {
             return None;
         }
-        // About the mean: constants are not judged.
+        let values = DVector::from_row_slice(&self.values);
+        let fit = Fit::of(&sum)?;
+        let left_side = fit.by_estimates + 2.0 * values.dot(&fit.with_residual) + values.dot(&(&fit.gram * &values));
+        let pairs = [over(&self.pairs[0]), over(&self.pairs[1])];
+        (left_side > 0.0).then(|| Explained {
+            output: self.output,
+            seconds: blocks.len() as f64 * BLOCK_S,
+            by_estimates: 1.0 - fit.by_estimates / left_side,
+            by_terms: 1.0 - fit.by_best / left_side,
+            by_chance: by_chance(&fit, &pairs, independent),
+        })
+    }
+}
+
+/// The best values of the terms of an equation by least squares about the mean: constants are not judged.
+struct Fit {
+    gram: DMatrix<f64>,
+    with_residual: DVector<f64>,
+    /// Regressors, residual and one, as their sum is the error that the best values leave.
+    error: DVector<f64>,
+    /// Number of terms that can be told apart.
+    terms: usize,
+    /// Squares that the estimates leave, and that the best values do.
+    by_estimates: f64,
+    by_best: f64,
+}
+
+impl Fit {
+    /// From sums of products of `[regressors, residual, 1]`.
+    fn of(sum: &DMatrix<f64>) -> Option<Self> {
+        let u = sum.nrows() - 2;
+        let samples = sum[(u + 1, u + 1)];
         let centred = |a: usize, b: usize| sum[(a, b)] - sum[(a, u + 1)] * sum[(b, u + 1)] / samples;
         let gram = DMatrix::from_fn(u, u, centred);
         let with_residual = DVector::from_fn(u, |a, _| centred(a, u));
-        let values = DVector::from_row_slice(&self.values);
-        let left = centred(u, u) + 2.0 * values.dot(&with_residual) + values.dot(&(&gram * &values));
         // Regressors of unit length, so that small ones are not taken for none.
         let scale = DVector::from_fn(u, |a, _| if gram[(a, a)] > 0.0 { 1.0 / gram[(a, a)].sqrt() } else { 0.0 });
         let scaled = DMatrix::from_fn(u, u, |a, b| scale[a] * gram[(a, b)] * scale[b]);
@@ -329,15 +391,41 @@ impl Equation {
         if !scaled.iter().chain(right.iter()).all(|v| v.is_finite()) {
             return None;
         }
-        let correction = scaled.try_svd(true, true, f64::EPSILON, MOST_SWEEPS)?.solve(&right, 1e-9).ok()?;
-        let best = centred(u, u) - right.dot(&correction);
-        (left > 0.0).then(|| Explained {
-            output: self.output,
-            seconds: f64::from(count) * BLOCK_S,
-            by_estimates: 1.0 - centred(u, u) / left,
-            by_terms: 1.0 - best / left,
-        })
+        let parts = scaled.try_svd(true, true, f64::EPSILON, MOST_SWEEPS)?;
+        let correction = parts.solve(&right, LEAST_PART).ok()?;
+        let mut error = DVector::zeros(u + 2);
+        error.rows_mut(0, u).copy_from(&-correction.component_mul(&scale));
+        error[u] = 1.0;
+        error[u + 1] = -sum.column(u + 1).dot(&error) / samples;
+        let by_estimates = centred(u, u);
+        let by_best = by_estimates - right.dot(&correction);
+        Some(Self { terms: parts.rank(LEAST_PART), gram, with_residual, error, by_estimates, by_best })
     }
+}
+
+/// How often chance lets the best values of the terms leave as much less than the estimates as they do: the F test of the estimates
+/// against them, with errors of first order.
+///
+/// Rows are smoothed, so that neighbours share their samples. Two values of a local cubic that are half a window apart share half of
+/// them, with weights of either sign: white noise correlates them by -0.02, and the variance of a mean is that of one value in 0.89 of
+/// half a window. So one row in half a window counts. Turbulence and model error last longer. The correlation `r` of what the best
+/// values leave, between rows half a window apart, is that of J. P. Burg (*Maximum Entropy Spectral Analysis*, 1975; forwards
+/// and backwards, so that it is no larger than one), and both sides are compared after it has been taken from them, `row(t) - r row(t -
+/// h)` and `row(t - h) - r row(t)` (D. Cochrane, G. H. Orcutt, *Application of Least Squares Regression to Relationships Containing
+/// Auto-correlated Error Terms*, Journal of the American Statistical Association 44, 1949): slow errors then do not hide what faster
+/// motion tells. `pairs` are the products of the sums and of the differences of such rows.
+fn by_chance(fit: &Fit, [sums, differences]: &[DMatrix<f64>; 2], independent: f64) -> f64 {
+    let one = sums.nrows() - 1;
+    let [alike, apart] = [sums, differences].map(|products| fit.error.dot(&(products * &fit.error)));
+    let colour = if alike + apart > 0.0 { ((alike - apart) / (alike + apart)).clamp(0.0, MOST_COLOUR) } else { 0.0 };
+    let white = sums * (0.25 * (1.0 - colour).powi(2)) + differences * (0.25 * (1.0 + colour).powi(2));
+    let rows = 0.25 * sums[(one, one)] * independent;
+    let Some(fit) = Fit::of(&white) else { return f64::NAN };
+    let below = (rows as usize).saturating_sub(fit.terms + 1);
+    // Of a record without noise nothing is left but rounding.
+    let left = fit.by_best.max(0.0) / below as f64;
+    let gained = (fit.by_estimates - fit.by_best).max(0.0) / fit.terms as f64;
+    ratio_above(gained / left, fit.terms, below)
 }
 
 /// The outputs, with what the method predicted in the place of a state that nothing measures.
@@ -378,6 +466,82 @@ mod tests {
             sums: vec![block(0), block(20)],
             samples: vec![20.0; 2],
             moving,
+        }
+    }
+
+    /// Samples in half a window, and in a block.
+    const HALF: usize = 20;
+    const BLOCK: usize = 100;
+
+    /// White noise of one sigma 0.5, uniform.
+    fn white(seed: u64) -> impl FnMut() -> f64 {
+        let mut state = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1;
+        move || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            3.0_f64.sqrt() * ((state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5)
+        }
+    }
+
+    /// So many seconds of `y = a x + b z` with noise through the window of the equations, at values that are wrong by `error`. Errors of
+    /// first order are left of the noise after each sample by the part `lasting`.
+    fn explained(seconds: usize, error: [f64; 2], noise: f64, lasting: f64, seed: u64) -> Explained {
+        let mut next = white(seed);
+        let mut last = 0.0;
+        let mut coloured = || {
+            last = lasting * last + (1.0 - lasting * lasting).sqrt() * noise * next();
+            last
+        };
+        let errors: Vec<f64> = (0..seconds * BLOCK + 2 * HALF).map(|_| coloured()).collect();
+        // Value of a local cubic at the middle of its window.
+        let weight = |i: usize| 1.125 - 1.875 * ((i as f64 - HALF as f64) / HALF as f64).powi(2);
+        let weights: f64 = (0..=2 * HALF).map(weight).sum();
+        let smoothed = |k: usize| (0..=2 * HALF).map(|i| weight(i) * errors[k + i]).sum::<f64>() / weights;
+        let truth = [1.0, -0.5];
+        let values = [truth[0] + error[0], truth[1] + error[1]];
+        let row = |k: usize| {
+            let t = k as f64 / BLOCK as f64;
+            let x = [(3.0 * t).sin() + 0.2, (5.0 * t).cos() - 0.1];
+            (x, smoothed(k) - error[0] * x[0] - error[1] * x[1])
+        };
+        let rows: Vec<([f64; 2], f64)> = (0..seconds * BLOCK).map(row).collect();
+        let mut equations = Equations {
+            columns: Vec::new(),
+            start_s: 0.0,
+            blocks: seconds,
+            independent: 1.0 / HALF as f64,
+            equations: Vec::new(),
+        };
+        let of = |k: usize| (&rows[k].0[..], rows[k].1);
+        for k in 0..rows.len() {
+            let before = k.checked_sub(HALF);
+            equations.add(Output::Ax, k / BLOCK, of(k), before.map(of), &values);
+        }
+        equations.explained(f64::NEG_INFINITY)[0]
+    }
+
+    #[test]
+    fn true_values_lose_by_chance_as_often_as_is_said() {
+        // White noise of samples, and noise that lasts for a second; four seconds and half a minute.
+        for (seconds, lasting) in [(4, 0.0), (30, 0.0), (30, 0.99)] {
+            let chances: Vec<f64> =
+                (0..400).map(|seed| explained(seconds, [0.0; 2], 1.0, lasting, seed).by_chance).collect();
+            for limit in [0.1, 0.01] {
+                let below = chances.iter().filter(|chance| **chance < limit).count() as f64 / 400.0;
+                // Four standard errors of a fraction of so many.
+                let most = limit + 4.0 * (limit * (1.0 - limit) / 400.0).sqrt();
+                assert!(below <= most, "{seconds} s, {lasting}: {below} below {limit}");
+            }
+        }
+    }
+
+    #[test]
+    fn free_values_fit_a_second_of_noise_and_wrong_ones_are_told_in_three() {
+        let by_chance = explained(1, [0.0; 2], 8.0, 0.0, 8);
+        assert!(by_chance.by_terms > 0.6 && by_chance.lost() > 0.75 && by_chance.by_chance > 0.1, "{by_chance:?}");
+        // Noise that lasts for a second hides nothing of faster motion.
+        for (seconds, noise, lasting) in [(3, 0.0, 0.0), (3, 1.0, 0.0), (10, 0.5, 0.99)] {
+            let wrong = explained(seconds, [0.8, -0.4], noise, lasting, 8);
+            assert!(wrong.by_terms > 0.6 && wrong.lost() > 0.4 && wrong.by_chance < 1e-4, "{seconds} s: {wrong:?}");
         }
     }
 

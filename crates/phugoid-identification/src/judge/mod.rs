@@ -4,6 +4,7 @@ mod advice;
 mod agreement;
 mod attitude;
 pub(crate) mod both_sides;
+mod chance;
 mod constancy;
 mod contradiction;
 mod disputed;
