@@ -42,6 +42,26 @@ pub fn hash_file(path: &Path) -> io::Result<(String, u64)> {
     }
 }
 
+/// SHA-256 of the names and the contents of all files in a folder, and their length in bytes. Folders in it do not count.
+///
+/// # Errors
+/// What the operating system says.
+pub fn hash_files_in(folder: &Path) -> io::Result<(String, u64)> {
+    let mut paths = Vec::new();
+    for entry in std::fs::read_dir(folder)? {
+        paths.extend(Some(entry?.path()).filter(|path| path.is_file()));
+    }
+    paths.sort();
+    let (mut listed, mut length) = (String::new(), 0);
+    for path in paths {
+        let (hash, bytes) = hash_file(&path)?;
+        let name = path.file_name().unwrap_or_default().as_encoded_bytes();
+        let _ = writeln!(listed, "{hash} {}", digits(name));
+        length += bytes;
+    }
+    Ok((hash(listed.as_bytes()), length))
+}
+
 /// The key of a unit of work: the hash of named parts, with the schema and the version of this program. The names keep
 /// two parts from running into one another.
 pub fn key(parts: &[(&str, &str)]) -> String {
@@ -97,6 +117,27 @@ mod tests {
         assert_eq!(hash_file(&path).unwrap(), (hash(&content), 1_000_000));
         std::fs::remove_file(&path).unwrap();
         assert!(hash_file(&path).is_err());
+    }
+
+    #[test]
+    fn a_folder_has_the_hash_of_the_names_and_contents_of_its_files() {
+        let folder = std::env::temp_dir().join(format!("phugoid-fleet-hash-folder-{}", std::process::id()));
+        std::fs::create_dir_all(folder.join("below")).unwrap();
+        let write = |name: &str, text: &str| std::fs::write(folder.join(name), text).unwrap();
+        let of = || hash_files_in(&folder).unwrap();
+        write("a", "1");
+        write("b", "22");
+        let first = of();
+        assert_eq!(first.1, 3);
+        write("below/c", "3");
+        assert_eq!(of(), first);
+        write("b", "23");
+        assert_ne!(of().0, first.0);
+        write("b", "22");
+        std::fs::rename(folder.join("b"), folder.join("d")).unwrap();
+        assert_ne!(of().0, first.0);
+        std::fs::remove_dir_all(&folder).unwrap();
+        assert!(hash_files_in(&folder).is_err());
     }
 
     /// Stores that there are keep their keys.

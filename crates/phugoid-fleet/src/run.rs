@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use crate::campaign::file::CampaignError;
-use crate::key::hash_file;
+use crate::key::{hash_file, hash_files_in};
 use crate::logs::FlightTable;
 use crate::row::{Refusal, Row};
 use crate::shard::Shard;
@@ -81,9 +81,10 @@ pub struct Hashed {
 }
 
 impl Hashed {
-    /// Reads a file to the end.
+    /// Reads a file to the end; of a folder that is one log, all files in it.
     pub fn of(path: &Path) -> Self {
-        Self { name: path.to_owned(), content: hash_file(path).map_err(|error| error.to_string()) }
+        let content = if path.is_dir() { hash_files_in(path) } else { hash_file(path) };
+        Self { name: path.to_owned(), content: content.map_err(|error| error.to_string()) }
     }
 
     fn hash(&self, task: &Task) -> String {

@@ -4,6 +4,8 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use phugoid_flight_data::log::is_flight_review;
+
 use crate::row::STORE_MARK;
 
 /// Ends of the names of flights. In a folder everything else is left out; a file that is named is always taken.
@@ -87,11 +89,15 @@ pub fn files(words: &[String]) -> Result<Vec<PathBuf>, SourceError> {
     Ok(found.into_iter().collect())
 }
 
-/// All flights in a folder and those below it, but for stores of a fleet. Links to folders are not followed, since they may lead back.
+/// All flights in a folder and those below it, but for stores of a fleet; a folder may be one log by itself. Links to folders are not followed, since they may lead back.
 fn walk(folder: &Path, found: &mut BTreeSet<PathBuf>) -> Result<(), SourceError> {
     let failed = |source| SourceError::Folder { folder: folder.to_owned(), source };
     // What a store holds are results, and no flights.
     if folder.join(STORE_MARK).exists() {
+        return Ok(());
+    }
+    if is_log(folder) {
+        found.insert(folder.to_owned());
         return Ok(());
     }
     for entry in fs::read_dir(folder).map_err(failed)? {
@@ -104,6 +110,19 @@ fn walk(folder: &Path, found: &mut BTreeSet<PathBuf>) -> Result<(), SourceError>
         }
     }
     Ok(())
+}
+
+/// Whether a folder is one log, as Flight Review 2 keeps it. Other folders may have a `metadata.json` among their flights: this one says
+/// when the log begins, and has tables beside it.
+fn is_log(folder: &Path) -> bool {
+    let says_when = || {
+        let text = fs::read(folder.join("metadata.json")).unwrap_or_default();
+        let metadata: serde_json::Value = serde_json::from_slice(&text).unwrap_or_default();
+        metadata.get("start_timestamp_us").is_some()
+    };
+    let is_table = |entry: fs::DirEntry| entry.path().extension().is_some_and(|end| end == "parquet");
+    let has_table = || fs::read_dir(folder).is_ok_and(|mut entries| entries.any(|entry| entry.is_ok_and(is_table)));
+    is_flight_review(folder) && has_table() && says_when()
 }
 
 fn is_flight(name: &str) -> bool {
@@ -137,6 +156,16 @@ mod tests {
         fs::write(root.join("b/store").join(STORE_MARK), "").unwrap();
         fs::write(root.join("b/store/logs/7.parquet"), "").unwrap();
         assert_eq!(names(&[word("b")]), ["b/1.ULG", "b/2.csv"]);
+        // A folder of Flight Review is one log; another one with a file of that name has its flights in it.
+        for (folder, metadata) in
+            [("d/1", "{\"start_timestamp_us\": 5, \"topics\": {}}"), ("d/2", "{\"author\": \"me\"}")]
+        {
+            fs::create_dir_all(root.join(folder)).unwrap();
+            fs::write(root.join(folder).join("metadata.json"), metadata).unwrap();
+            fs::write(root.join(folder).join("vehicle_attitude.parquet"), "").unwrap();
+        }
+        assert_eq!(names(&[word("d")]), ["d/1", "d/2/vehicle_attitude.parquet"]);
+        assert_eq!(names(&[word("d/1"), word("d/*")]), ["d/1", "d/2/vehicle_attitude.parquet"]);
         assert!(matches!(files(&[word("c")]), Err(SourceError::NotThere { .. })));
         assert!(matches!(files(&[word("*.mat")]), Err(SourceError::NothingFits { .. })));
         assert!(matches!(files(&["s3://bucket/x".to_owned()]), Err(SourceError::Remote { .. })));

@@ -36,7 +36,8 @@ pub mod utc;
 mod window;
 
 pub use error::LogError;
-pub(crate) use read::{Input, is_flight_review, read_as, survey_and_read_as, survey_as};
+pub use read::is_flight_review;
+pub(crate) use read::{Input, read_as, survey_and_read_as, survey_as};
 pub use read::{read, read_path, survey, survey_path};
 pub use selection::{Selection, Wanted};
 

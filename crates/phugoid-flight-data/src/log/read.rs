@@ -126,8 +126,8 @@ fn open(path: &Path, account: &Account) -> Result<(Format, Box<dyn Read>, String
     }
 }
 
-/// Whether this is a folder as Flight Review 2 writes it for a log.
-pub(crate) fn is_flight_review(path: &Path) -> bool {
+/// Whether this is a folder as Flight Review 2 writes it for a log: by the file `metadata.json` in it, whatever that says.
+pub fn is_flight_review(path: &Path) -> bool {
     path.join("metadata.json").is_file()
 }
 
