@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 use phugoid_evaluation::statistics::{clopper_pearson, median};
 use serde::Serialize;
 
-use crate::row::{BOUND, Row};
+use super::question::CRAMER_RAO;
+use crate::row::Row;
 
 /// The score of one method for one parameter.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -23,7 +24,8 @@ pub struct Score {
     /// Of those, without numbers or with the word not to use them.
     pub refused: usize,
     /// Root mean square error, in the unit of the parameter; of those that are not refused. NaN without any. Of `cramer-rao` the root
-    /// mean square of the bound: the smallest error that an unbiased method can have.
+    /// mean square of the bound: the smallest error that an unbiased method can have; infinite where a flight does not determine the
+    /// parameter.
     pub rmse: f64,
     /// Median of the absolute error as a part of the truth. NaN where the truth is zero or unknown.
     pub median_error: f64,
@@ -55,7 +57,7 @@ pub struct Unscored {
 }
 
 /// The columns of the store that are scored.
-pub const COLUMNS: [&str; 14] = [
+pub const COLUMNS: [&str; 13] = [
     "kind",
     "scenario",
     "model",
@@ -66,7 +68,6 @@ pub const COLUMNS: [&str; 14] = [
     "parameter",
     "value",
     "std_error",
-    "parameter_status",
     "converged_at_s",
     "truth",
     "covered",
@@ -169,9 +170,10 @@ impl Group {
             return;
         }
         self.used += 1;
-        if row.parameter_status.as_deref() == Some(BOUND) {
+        if row.method == CRAMER_RAO {
+            // What a flight does not determine has no bound: any error is possible.
             self.errors += 1;
-            self.squares += row.std_error.map_or(f64::NAN, |bound| bound * bound);
+            self.squares += row.std_error.map_or(f64::INFINITY, |bound| bound * bound);
             return;
         }
         self.judged += 1;
@@ -202,5 +204,41 @@ impl Group {
             coverage: self.covered as f64 / self.judged as f64,
             interval: if self.judged > 0 { clopper_pearson(self.covered, self.judged) } else { [f64::NAN; 2] },
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(method: &str, std_error: Option<f64>) -> Row {
+        Row {
+            kind: "campaign".to_owned(),
+            method: method.to_owned(),
+            status: "sound".to_owned(),
+            parameter: Some("Cm_q".to_owned()),
+            value: (method != CRAMER_RAO).then_some(-11.0),
+            std_error,
+            truth: Some(-10.0),
+            covered: (method != CRAMER_RAO).then_some(true),
+            ..Row::default()
+        }
+    }
+
+    /// A bound claims no estimate that may be wrong; where there is none, it is not taken for an estimate that missed.
+    #[test]
+    fn a_bound_is_no_estimate() {
+        let scores = |rows: &[Row]| {
+            let mut scoring = Scoring::default();
+            scoring.add(rows);
+            scoring.scores().remove(0)
+        };
+        let bound = scores(&[row(CRAMER_RAO, Some(3.0)), row(CRAMER_RAO, Some(4.0))]);
+        assert_eq!((bound.rmse, bound.estimations), (12.5_f64.sqrt(), 2));
+        assert!(bound.coverage.is_nan() && bound.interval[0].is_nan() && bound.median_error.is_nan());
+        let none = scores(&[row(CRAMER_RAO, Some(3.0)), row(CRAMER_RAO, None)]);
+        assert!(none.rmse.is_infinite() && none.coverage.is_nan());
+        let estimated = scores(&[row("smpe", Some(3.0))]);
+        assert_eq!((estimated.rmse, estimated.coverage), (1.0, 1.0));
     }
 }
