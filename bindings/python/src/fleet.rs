@@ -3,10 +3,12 @@
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
+use phugoid_fleet::analysis::documents;
 use phugoid_fleet::campaign;
 use phugoid_fleet::campaign::file::Campaign;
 use phugoid_fleet::campaign::layout::{Block, Layout};
 use phugoid_fleet::logs::FlightTable;
+use phugoid_fleet::page;
 use phugoid_fleet::run::{self, Hashed, Outcome, Share, Summary};
 use phugoid_fleet::shard::Shard;
 use phugoid_fleet::source;
@@ -218,7 +220,10 @@ pub(crate) fn fleet_model(wanted: &str) -> PyResult<(String, String)> {
     ModelFile::find_text(wanted).map_err(raise)
 }
 
-/// What a store tells, as JSON, and as a page.
+/// Findings, documents, page.
+type Told = (String, String, String);
+
+/// What a store tells and a document for each of its logs, as JSON, and what it tells as a page.
 #[pyfunction]
 #[pyo3(signature = (store, false_discoveries=0.05, only=Vec::new(), over="flights"))]
 pub(crate) fn fleet_tell(
@@ -227,7 +232,7 @@ pub(crate) fn fleet_tell(
     false_discoveries: f64,
     only: Vec<String>,
     over: &str,
-) -> PyResult<(String, String)> {
+) -> PyResult<Told> {
     let over = match over {
         "flights" => Over::Flights,
         "hours" => Over::Hours,
@@ -236,7 +241,11 @@ pub(crate) fn fleet_tell(
     let store = Store::open(Path::new(&store)).map_err(raise)?;
     let question = Question { false_discoveries, only, over };
     py.detach(|| {
-        let findings = tell(&store.rows().map_err(raise)?, &store.logs().map_err(raise)?, &question).map_err(raise)?;
-        Ok((serde_json::to_string(&findings).map_err(raise)?, phugoid_fleet::page::html(&findings)))
+        let (rows, logs) = (store.rows().map_err(raise)?, store.logs().map_err(raise)?);
+        let findings = tell(&rows, &logs, &question).map_err(raise)?;
+        let documents = documents(&rows, &logs, &findings);
+        let json = |value: serde_json::Result<String>| value.map_err(raise);
+        let page = page::html(&findings, &page::Reports::new());
+        Ok((json(serde_json::to_string(&findings))?, json(serde_json::to_string(&documents))?, page))
     })
 }

@@ -616,6 +616,10 @@ def test_a_fleet_is_estimated_once_and_by_shards_alike(logs, tmp_path):
     told = phugoid.fleet_tell(tmp_path / "whole", html=tmp_path / "fleet.html")
     assert [airframe["name"] for airframe in told["airframes"]] == ["N17"]
     assert "flight-3.csv" in (tmp_path / "fleet.html").read_text()
+    documents = phugoid.fleet_analyses(tmp_path / "whole")
+    assert len(documents) == 4
+    found = sorted({diagnostic["evidence"]["type"] for document in documents for diagnostic in document["diagnostics"]})
+    assert found == ["AerodynamicDerivatives", "AerodynamicDerivativesMissing"]
     with pytest.raises(phugoid.PhugoidError, match="no such file"):
         phugoid.fleet("nowhere", "f16-model", tmp_path / "other")
     with pytest.raises(phugoid.PhugoidError, match='"local" or "ray"'):

@@ -42,6 +42,14 @@ pub fn hash_file(path: &Path) -> io::Result<(String, u64)> {
     }
 }
 
+/// SHA-256 of a log and its length in bytes: of a file, or of all files of a folder that is one log.
+///
+/// # Errors
+/// What the operating system says.
+pub fn hash_log(path: &Path) -> io::Result<(String, u64)> {
+    if path.is_dir() { hash_files_in(path) } else { hash_file(path) }
+}
+
 /// SHA-256 of the names and the contents of all files in a folder, and their length in bytes. Folders in it do not count.
 ///
 /// # Errors

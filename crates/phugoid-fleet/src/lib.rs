@@ -1,11 +1,14 @@
 #![doc = include_str!("../README.md")]
 #![cfg_attr(not(test), deny(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
+pub mod analysis;
 pub mod campaign;
 pub mod content;
 pub mod key;
 pub mod logs;
 pub mod page;
+#[cfg(feature = "parquet")]
+pub mod reports;
 pub mod row;
 #[cfg(feature = "parquet")]
 pub mod run;

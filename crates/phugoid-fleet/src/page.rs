@@ -24,14 +24,18 @@ const v=r=>{const c=r.children[i];return c.dataset.v!==undefined?parseFloat(c.da
 const b=t.tBodies[0];[...b.rows].sort((a,c)=>{const x=v(a),y=v(c);return d*(typeof x==='number'?\
 (isNaN(x)?1:isNaN(y)?-1:x-y):String(x).localeCompare(y))}).forEach(r=>b.append(r))}));";
 
-/// The page, HTML. Numbers are in the units of the parameters.
-pub fn html(findings: &Findings) -> String {
+/// Addresses of the reports of segments, by the hash of the log and the number of the segment.
+pub type Reports = BTreeMap<(String, i64), String>;
+
+/// The page, HTML. Numbers are in the units of the parameters. A point leads to the report of its segment where there is one, else to
+/// the line of its flight.
+pub fn html(findings: &Findings, reports: &Reports) -> String {
     let mut page = format!(
         "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\
          <meta name=\"viewport\" content=\"width=device-width,initial-scale=1\"><title>Fleet: {0}</title><style>{STYLE}</style></head>\n\
          <body><h1>Fleet: {0}</h1>\n<p class=\"note\">{1}; {2}, by Phugoid</p>\n\
          <p>Derivatives are per radian. Findings are called so at a rate of false ones of {3} %. Bars are two standard errors of a single flight, the band that \
-         of the mean with all that the flights share. Click a head to sort, a point for its flight.</p>\n",
+         of the mean with all that the flights share. Click a head to sort, a point for its report, or where there is none for the line of its flight.</p>\n",
         escaped(&findings.set.model),
         findings.counts(),
         escaped(&findings.set.to_string()),
@@ -54,7 +58,8 @@ pub fn html(findings: &Findings) -> String {
     );
     for airframe in &findings.airframes {
         for course in &airframe.courses {
-            row(&mut page, &airframe.name, course, findings.over, &numbers);
+            let links = Links { numbers: &numbers, reports };
+            row(&mut page, &airframe.name, course, findings.over, &links);
         }
     }
     let _ = write!(
@@ -66,9 +71,26 @@ pub fn html(findings: &Findings) -> String {
         if findings.set.segments == "whole" { "" } else { " --segment NUMBER" },
         escaped(&findings.set.model),
     );
-    flights(&mut page, findings, &numbers);
+    flights(&mut page, findings, &Links { numbers: &numbers, reports });
     let _ = write!(page, "</tbody></table></div>\n<script>{SCRIPT}</script></body></html>\n");
     page
+}
+
+/// Where points lead.
+struct Links<'a> {
+    /// Number of the line of each log.
+    numbers: &'a BTreeMap<&'a str, usize>,
+    reports: &'a Reports,
+}
+
+impl Links<'_> {
+    fn line(&self, point: &Point) -> usize {
+        self.numbers.get(point.log_sha256.as_str()).copied().unwrap_or(0)
+    }
+
+    fn report(&self, point: &Point) -> Option<String> {
+        self.reports.get(&(point.log_sha256.clone(), point.segment)).map(|report| address(report))
+    }
 }
 
 /// Airframes with flights of which nothing can be used, which have no course or a shorter one.
@@ -123,7 +145,7 @@ fn causes(page: &mut String, findings: &Findings) {
     page.push_str("</tbody></table></div>\n");
 }
 
-fn row(page: &mut String, airframe: &str, course: &Course, over: Over, numbers: &BTreeMap<&str, usize>) {
+fn row(page: &mut String, airframe: &str, course: &Course, over: Over, links: &Links<'_>) {
     let unit = over.unit();
     let what = match (course.shape, course.drift, course.step) {
         (Shape::Drift, Some(drift), _) => {
@@ -149,14 +171,14 @@ fn row(page: &mut String, airframe: &str, course: &Course, over: Over, numbers: 
         number(2.0 * course.combined.std_error),
         number(course.points.len() as f64),
         course.points.len(),
-        sparkline(course, numbers),
+        sparkline(course, links),
         number(rate),
         number(apart),
         number(disagree as f64),
     );
 }
 
-fn sparkline(course: &Course, numbers: &BTreeMap<&str, usize>) -> String {
+fn sparkline(course: &Course, links: &Links<'_>) -> String {
     let of = |place: &dyn Fn(&Point) -> f64| course.points.iter().map(place).collect::<Vec<f64>>();
     let range = |values: &[f64]| {
         let (low, high) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
@@ -179,9 +201,9 @@ fn sparkline(course: &Course, numbers: &BTreeMap<&str, usize>) -> String {
     for point in &course.points {
         let _ = write!(
             svg,
-            "<a href=\"#f{}\"><path d=\"M{2:.1} {3:.1}V{4:.1}\" stroke=\"#bbb\"/><circle class=\"{1}\" cx=\"{2:.1}\" \
+            "<a href=\"{}\"><path d=\"M{2:.1} {3:.1}V{4:.1}\" stroke=\"#bbb\"/><circle class=\"{1}\" cx=\"{2:.1}\" \
              cy=\"{5:.1}\" r=\"2\"><title>{6}, segment {7}: {8} +- {9}</title></circle></a>",
-            numbers.get(point.log_sha256.as_str()).copied().unwrap_or(0),
+            links.report(point).unwrap_or_else(|| format!("#f{}", links.line(point))),
             if point.disagrees { "bad" } else { "ok" },
             x(point.at),
             y(point.value - 2.0 * point.own_std),
@@ -196,20 +218,23 @@ fn sparkline(course: &Course, numbers: &BTreeMap<&str, usize>) -> String {
     svg + "</svg>"
 }
 
-fn flights(page: &mut String, findings: &Findings, numbers: &BTreeMap<&str, usize>) {
+fn flights(page: &mut String, findings: &Findings, links: &Links<'_>) {
     let mut logs: BTreeMap<usize, (&str, &Point, Vec<String>)> = BTreeMap::new();
     for airframe in &findings.airframes {
         for course in &airframe.courses {
             for point in &course.points {
-                let number = numbers.get(point.log_sha256.as_str()).copied().unwrap_or(0);
-                let (_, _, estimates) = logs.entry(number).or_insert((&airframe.name, point, Vec::new()));
+                let (_, _, estimates) = logs.entry(links.line(point)).or_insert((&airframe.name, point, Vec::new()));
                 let disagrees = if point.disagrees { ", disagrees" } else { "" };
+                let segment = format!("segment {}", point.segment);
+                let segment = match links.report(point) {
+                    Some(report) => format!("<a href=\"{report}\">{segment}</a>"),
+                    None => segment,
+                };
                 estimates.push(format!(
-                    "{} {} +- {} (segment {}{disagrees})",
-                    course.parameter,
+                    "{} {} +- {} ({segment}{disagrees})",
+                    escaped(&course.parameter),
                     short(point.value),
                     short(2.0 * point.std_error),
-                    point.segment
                 ));
             }
         }
@@ -222,7 +247,7 @@ fn flights(page: &mut String, findings: &Findings, numbers: &BTreeMap<&str, usiz
             escaped(airframe),
             address(&point.path),
             escaped(&point.path),
-            escaped(&estimates.join("; ")),
+            estimates.join("; "),
         );
     }
 }
@@ -310,7 +335,7 @@ mod tests {
             logs.push(LogRow { log_sha256: hash, path, airframe: "a&b".to_owned(), ..LogRow::default() });
         }
         let findings = tell(&rows, &logs, &Question::default()).unwrap();
-        let page = html(&findings);
+        let page = html(&findings, &Reports::new());
         assert_eq!(page.matches("<circle").count(), 8);
         assert_eq!(page.matches("class=\"bad\"").count(), 1);
         assert!((1..=8).all(|k| page.contains(&format!("href=\"#f{k}\"")) && page.contains(&format!("id=\"f{k}\""))));
@@ -321,6 +346,11 @@ mod tests {
                 && !page.contains("a&b/")
         );
         assert!(!page.contains("http"));
+        // The point of a segment with a report leads there, and so does the line of its flight.
+        let reports = Reports::from([((format!("{:064}", 3), 1), "fleet-reports/a&b.html".to_owned())]);
+        let page = html(&findings, &reports);
+        assert_eq!(page.matches("href=\"fleet-reports/a%26b.html\"").count(), 2);
+        assert_eq!(page.matches("href=\"#f").count(), 7);
     }
 
     #[test]

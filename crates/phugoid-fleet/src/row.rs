@@ -46,6 +46,9 @@ pub struct Row {
     pub input: Option<String>,
     /// Length of the whole flight, s.
     pub duration_s: Option<f64>,
+    /// What the clock of the autopilot says at time zero of `from_s` and `to_s`, microseconds since it was switched on. `None` where
+    /// the log has no such clock.
+    pub clock_at_zero_us: Option<i64>,
     /// Median true airspeed over the segment, m/s.
     pub airspeed_m_s: Option<f64>,
     /// Median angle of attack over the segment, rad.

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use crate::campaign::file::CampaignError;
-use crate::key::{hash_file, hash_files_in};
+use crate::key::hash_log;
 use crate::logs::FlightTable;
 use crate::row::{Refusal, Row};
 use crate::shard::Shard;
@@ -83,8 +83,7 @@ pub struct Hashed {
 impl Hashed {
     /// Reads a file to the end; of a folder that is one log, all files in it.
     pub fn of(path: &Path) -> Self {
-        let content = if path.is_dir() { hash_files_in(path) } else { hash_file(path) };
-        Self { name: path.to_owned(), content: content.map_err(|error| error.to_string()) }
+        Self { name: path.to_owned(), content: hash_log(path).map_err(|error| error.to_string()) }
     }
 
     fn hash(&self, task: &Task) -> String {

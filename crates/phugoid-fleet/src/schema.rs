@@ -75,6 +75,7 @@ impl Stored for Row {
             column!(number to_s),
             column!(text input),
             column!(number duration_s),
+            column!(count clock_at_zero_us),
             column!(number airspeed_m_s),
             column!(number alpha_rad),
             column!(number altitude_m),

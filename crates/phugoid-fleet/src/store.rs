@@ -212,8 +212,13 @@ impl Store {
     /// # Errors
     /// [`StoreError::Write`].
     pub fn write_model(&self, model_sha256: &str, text: &str) -> Result<(), StoreError> {
-        let file = self.folder.join("models").join(format!("{model_sha256}.toml"));
+        let file = self.model_file(model_sha256);
         if file.exists() { Ok(()) } else { self.write(&file, text.as_bytes()) }
+    }
+
+    /// Where the text of a model is.
+    pub fn model_file(&self, model_sha256: &str) -> PathBuf {
+        self.folder.join("models").join(format!("{model_sha256}.toml"))
     }
 
     /// Keeps what is known of a log, unless it is there already as it is.

@@ -5,13 +5,15 @@ use std::path::Path;
 use phugoid_flight_data::reader::{ReadError, ReadOptions};
 use phugoid_flight_data::record::Record;
 use phugoid_flight_data::statistics::median;
+use phugoid_identification::error::EstimateError;
 use phugoid_identification::estimate::{EstimateOptions, estimate};
+use phugoid_identification::estimation::Estimation;
 use phugoid_identification::manoeuvres::{Settings, find};
 use phugoid_identification::method::Method;
 use phugoid_identification::model_file::{ModelError, ModelFile, ModelFileError};
 
 use crate::content::{base_hashes, model_sha256};
-use crate::key::{VERSION, key};
+use crate::key::{VERSION, hash_log, key};
 use crate::row::{Refusal, Row, finite};
 
 /// What is estimated of a flight.
@@ -119,14 +121,10 @@ impl Task {
     /// without numbers; one for a log without any.
     pub fn rows(&self, path: &Path, log_sha256: &str) -> Vec<Row> {
         let common = self.common(self.key(log_sha256), Some(log_sha256));
-        match self.model.open_record_with(path, &ReadOptions::default()) {
-            Ok(mut record) => {
-                // Messages name the flight by its content, wherever the file stands.
-                record.source = format!("log {}", log_sha256.get(..12).unwrap_or(log_sha256));
-                self.rows_of_record(&record, common)
-            }
+        match self.record(path, log_sha256) {
+            Ok(record) => self.rows_of_record(&record, common),
             Err(error) => {
-                let refusal = match &error {
+                let refusal = match &*error {
                     ReadError::Io { .. } => Refusal::Unreadable,
                     ReadError::NotRead { format, .. } if format.feature().is_some() => Refusal::FormatNotInBuild,
                     _ => Refusal::NotAFlight,
@@ -138,7 +136,43 @@ impl Task {
         }
     }
 
+    /// Messages name the flight by its content, wherever the file stands.
+    fn record(&self, path: &Path, log_sha256: &str) -> Result<Record, Box<ReadError>> {
+        let mut record = self.model.open_record_with(path, &ReadOptions::default()).map_err(Box::new)?;
+        record.source = format!("log {}", log_sha256.get(..12).unwrap_or(log_sha256));
+        Ok(record)
+    }
+
+    /// What the rows of one segment were made of, estimated again: `segment` is that of the rows.
+    ///
+    /// # Errors
+    /// A sentence: the file cannot be read or has another content than this hash, there is no such segment, or it gives no numbers.
+    pub fn estimation(&self, path: &Path, log_sha256: &str, segment: i64) -> Result<Estimation, String> {
+        let named = |problem: &dyn std::fmt::Display| format!("{}: {problem}", path.display());
+        let (hash, _) = hash_log(path).map_err(|error| named(&error))?;
+        if hash != log_sha256 {
+            return Err(named(&"the file has another content than when it was estimated"));
+        }
+        let mut record = self.record(path, log_sha256).map_err(|error| named(&error))?;
+        record.source = path.display().to_string();
+        let start_s = record.time.first().copied();
+        if segment > 0 {
+            let found = find(&record, &Settings::default());
+            let manoeuvre = found.manoeuvres.iter().find(|manoeuvre| manoeuvre.number as i64 == segment);
+            let part = manoeuvre.and_then(|manoeuvre| record.between(manoeuvre.from_s, manoeuvre.to_s));
+            record = part.ok_or_else(|| named(&format!("has no manoeuvre {segment}")))?;
+            record.source = format!("{}, manoeuvre {segment}", path.display());
+        }
+        self.estimate(&record, start_s).map_err(|error| named(&error))
+    }
+
+    fn estimate(&self, part: &Record, start_s: Option<f64>) -> Result<Estimation, EstimateError> {
+        let options = EstimateOptions { method: self.method, start_s, ..EstimateOptions::default() };
+        estimate(part, &self.model, &options, &mut |_| {})
+    }
+
     fn rows_of_record(&self, record: &Record, mut common: Row) -> Vec<Row> {
+        common.clock_at_zero_us = record.quality.clock_at_zero_us.and_then(|clock_us| i64::try_from(clock_us).ok());
         let start_s = record.time.first().copied();
         common.duration_s = start_s.zip(record.time.last()).map(|(first, last)| last - first);
         if self.segments == Segments::Whole {
@@ -175,8 +209,7 @@ impl Task {
             altitude_m: median_of(part, "altitude"),
             ..row
         };
-        let options = EstimateOptions { method: self.method, start_s, ..EstimateOptions::default() };
-        match estimate(part, &self.model, &options, &mut |_| {}) {
+        match self.estimate(part, start_s) {
             Ok(estimation) => row.of_estimation(&estimation),
             Err(error) => vec![row.refused(Refusal::NotEstimated, error.to_string())],
         }

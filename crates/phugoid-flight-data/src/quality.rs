@@ -141,6 +141,10 @@ pub struct QualityReport {
     /// When time zero was; `None` where the file has no date.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub start: Option<Start>,
+    /// What the clock of the recorder said at time zero, microseconds: of an autopilot the time since it was switched on, by which the
+    /// messages in its log and other programs name a moment. `None` where the file has no such clock, or it began at time zero.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub clock_at_zero_us: Option<u64>,
     /// One entry per channel read from a file, time first; empty for a record made in memory.
     #[serde(default)]
     pub channels: Vec<ChannelQuality>,

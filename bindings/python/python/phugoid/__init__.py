@@ -26,7 +26,7 @@ from typing import Any, Iterable, Mapping, NamedTuple, Optional, Sequence, Union
 import numpy as np
 
 from . import _frames, _phugoid, _show
-from ._fleet import campaign, command_shards, fleet, fleet_tell
+from ._fleet import campaign, command_shards, fleet, fleet_analyses, fleet_tell
 from ._phugoid import Model, PhugoidError, Step, __version__
 from ._plant import Formula, Plant, Symbols
 from ._progress import Progress, reporter
@@ -56,6 +56,7 @@ __all__ = [
     "estimate",
     "campaign",
     "fleet",
+    "fleet_analyses",
     "fleet_tell",
     "from_columns",
     "from_frame",

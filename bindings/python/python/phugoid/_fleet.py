@@ -176,12 +176,27 @@ def fleet_tell(
     """What the fleet in a store tells: the document of ``phugoid fleet tell --json``. ``store`` is a folder or an address.
     ``html`` also writes the page."""
     with on_this_machine(os.fspath(store)) as here:
-        text, page = _phugoid.fleet_tell(here, false_discoveries, list(only), over)
+        text, _, page = _phugoid.fleet_tell(here, false_discoveries, list(only), over)
     if html is not None:
         with open(html, "w", encoding="utf-8") as file:
             file.write(page)
     document: dict[str, Any] = json.loads(text)
     return document
+
+
+def fleet_analyses(
+    store: Union[str, os.PathLike[str]],
+    *,
+    false_discoveries: float = 0.05,
+    only: Sequence[str] = (),
+    over: str = "flights",
+) -> list[dict[str, Any]]:
+    """What is known of each log, in the form of the analyzers of Flight Review: the documents of ``phugoid fleet analyses``.
+    ``store`` is a folder or an address."""
+    with on_this_machine(os.fspath(store)) as here:
+        _, text, _ = _phugoid.fleet_tell(here, false_discoveries, list(only), over)
+    documents: list[dict[str, Any]] = json.loads(text)
+    return documents
 
 
 def _place(store: Union[str, os.PathLike[str]]) -> str:

@@ -20,7 +20,8 @@ use super::method::method;
     "  phugoid fleet logs --model jet.toml --store fleet              every log of a folder, on all cores
   phugoid fleet 'logs/*/*.ulg' --model jet.toml --store fleet --shard 3/8
   phugoid fleet tell fleet                                       drifts, steps, outliers
-  phugoid fleet view fleet --html fleet.html                     the same as a page"
+  phugoid fleet view fleet --html fleet.html --reports findings  the same as a page, with the reports of what it has found
+  phugoid fleet analyses fleet --dir analyses                    a document for each log, for Flight Review"
 ))]
 pub(crate) struct Fleet {
     #[command(flatten)]
@@ -123,6 +124,7 @@ impl From<SegmentsWord> for Segments {
 pub(crate) enum Question {
     Tell(Tell),
     View(View),
+    Analyses(Analyses),
 }
 
 /// Tells of each airframe the course of its parameters: means with combined bounds, drifts, steps, outliers
@@ -148,6 +150,42 @@ pub(crate) struct View {
     /// The page
     #[arg(long, value_name = "FILE.html", default_value = "fleet.html")]
     pub(crate) html: PathBuf,
+    /// Segments of which the page leads to the whole report. Reports stand in a folder beside the page, are made on all cores from the
+    /// logs, where these are still as they were, and made once
+    #[arg(long, value_enum, default_value_t)]
+    pub(crate) reports: ReportsWord,
+    /// The model file that was estimated with, where it names other files, so that its text alone is not enough [default: the text in
+    /// the store]
+    #[arg(long, value_name = "FILE.toml")]
+    pub(crate) model: Option<String>,
+}
+
+/// Segments with a report.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum ReportsWord {
+    /// None: a point leads to the line of its flight, which has the command for the report
+    #[default]
+    None,
+    /// Those of flights that disagree with their airframe, and the first and last of a course with a finding, and those about a step
+    Findings,
+    /// All that are in a course
+    All,
+}
+
+/// Writes what is known of each log as a document, in the form of the analyzers of Flight Review
+///
+/// A document has the estimates of the log's segments, or why there are none, what the other flights of its airframe say of them, and
+/// what explains it. Times are those of the autopilot's clock. docs/fleet.md describes the fields.
+#[derive(Debug, Args)]
+pub(crate) struct Analyses {
+    /// Folder of the store
+    #[arg(value_name = "STORE")]
+    pub(crate) store: PathBuf,
+    #[command(flatten)]
+    pub(crate) asking: Asking,
+    /// Folder for the documents: of each log one, HASH.json, by the hash of its content
+    #[arg(long, value_name = "DIR", default_value = "analyses")]
+    pub(crate) dir: PathBuf,
 }
 
 /// How a store is judged.
@@ -180,6 +218,8 @@ impl Question {
         match self {
             Self::Tell(tell) => [("--out", tell.delivery.out.as_ref())].into_iter(),
             Self::View(view) => [("--html", Some(&view.html))].into_iter(),
+            // A folder, which may be there.
+            Self::Analyses(_) => [("--dir", None)].into_iter(),
         }
     }
 }

@@ -24,7 +24,8 @@ pub(crate) fn run(arguments: &arguments::Fleet) -> Result<(), Failure> {
     match &arguments.question {
         None => estimate(&arguments.estimating),
         Some(arguments::fleet::Question::Tell(tell)) => super::fleet_tell::run(tell),
-        Some(arguments::fleet::Question::View(view)) => super::fleet_tell::view(view),
+        Some(arguments::fleet::Question::View(view)) => super::fleet_view::run(view),
+        Some(arguments::fleet::Question::Analyses(analyses)) => super::fleet_analyses::run(analyses),
     }
 }
 

@@ -4,11 +4,10 @@ use std::fmt::Write as _;
 
 use phugoid_fleet::statistics::tell::{Airframe, Course, Findings, Shape, tell};
 use phugoid_fleet::store::Store;
-use phugoid_flight_data::output_file;
 
-use crate::arguments::fleet::{Asking, Tell, View};
+use crate::arguments::fleet::{Asking, Tell};
 use crate::failure::Failure;
-use crate::output::{Table, deliver, print, significant};
+use crate::output::{Table, deliver, significant};
 
 /// More rows of means than this are left to `--json`.
 const MOST_MEANS: usize = 200;
@@ -16,14 +15,6 @@ const MOST_MEANS: usize = 200;
 pub(super) fn run(arguments: &Tell) -> Result<(), Failure> {
     let findings = findings(&arguments.store, &arguments.asking)?;
     deliver(&findings, arguments.delivery.json, arguments.delivery.out.as_deref(), || text(&findings))
-}
-
-/// Writes the page.
-pub(super) fn view(arguments: &View) -> Result<(), Failure> {
-    let findings = findings(&arguments.store, &arguments.asking)?;
-    let page = phugoid_fleet::page::html(&findings);
-    output_file::write(&arguments.html, page).map_err(|e| Failure::writing_of("--html", &arguments.html, e))?;
-    print(&format!("Page: {}\n", arguments.html.display()))
 }
 
 /// What the store in a folder tells.
@@ -96,9 +87,7 @@ fn changes(findings: &Findings) -> Option<String> {
         for course in &airframe.courses {
             let (what, change, per) = match (course.shape, course.drift, course.step) {
                 (Shape::Drift, Some(drift), _) => ("drift".to_owned(), drift, format!(" per {unit}")),
-                (Shape::Step, _, Some(step)) => {
-                    (format!("step at {unit} {}", significant(step.at, 4)), step, String::new())
-                }
+                (Shape::Step, _, Some(step)) => (format!("step at {unit} {}", step.at), step, String::new()),
                 _ => continue,
             };
             any = true;

@@ -18,7 +18,11 @@ pub(crate) mod field;
 #[cfg(feature = "fleet")]
 pub(crate) mod fleet;
 #[cfg(feature = "fleet")]
+mod fleet_analyses;
+#[cfg(feature = "fleet")]
 mod fleet_tell;
+#[cfg(feature = "fleet")]
+mod fleet_view;
 mod flight;
 pub(crate) mod fly;
 mod further;

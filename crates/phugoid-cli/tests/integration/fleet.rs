@@ -184,8 +184,57 @@ fn the_drift_of_one_airframe_is_found_and_no_other() {
     assert_eq!(page.code, Some(0), "{}", page.err);
     let page = folder.read("fleet.html");
     assert!(page.contains("logs/2-9.csv") && page.contains("drift"));
+    reports_of_what_was_found(&folder);
+    documents_of_the_logs(&folder);
     let mistaken = phugoid(&folder.0, &["fleet", "tell", "store", "--only", "ekf"]);
     assert!(mistaken.fails(3).contains("ekf"));
+}
+
+/// The first and the last flight of the course that drifts have a report, to which the page leads; a log that has gone has none.
+fn reports_of_what_was_found(folder: &Folder) {
+    let view = |further: &[&str]| phugoid(&folder.0, &[&["fleet", "view", "store", "--reports"], further].concat());
+    fs::rename(folder.0.join("logs/2-0.csv"), folder.0.join("logs/gone.csv")).unwrap();
+    let one = view(&["findings"]);
+    assert!(one.out.contains("Reports: 1 (1 of them new)") && one.out.contains("Without a report: 1"), "{}", one.out);
+    assert!(one.out.contains("2-0.csv"), "{}", one.out);
+    fs::rename(folder.0.join("logs/gone.csv"), folder.0.join("logs/2-0.csv")).unwrap();
+    let both = view(&["findings"]);
+    assert!(both.out.contains("Reports: 2 (1 of them new)") && !both.out.contains("Without"), "{}", both.out);
+    let page = folder.read("fleet.html");
+    let mut addresses: Vec<&str> = page.split("href=\"").filter_map(|rest| rest.split('"').next()).collect();
+    addresses.retain(|address| address.starts_with("fleet-reports/"));
+    addresses.sort_unstable();
+    addresses.dedup();
+    assert_eq!(addresses.len(), 2, "{addresses:?}");
+    for address in addresses {
+        let report = folder.read(address);
+        assert!(report.contains("Cm_alpha") && report.contains(", manoeuvre 1</h1>"), "{address}");
+    }
+    // A model that is another one gives other numbers.
+    let other = view(&["findings", "--model", "f16"]);
+    assert!(other.fails(3).contains("--model"), "{}", other.err);
+}
+
+/// Every log has a document; the last flight of the airframe that drifts says so.
+fn documents_of_the_logs(folder: &Folder) {
+    let written = phugoid(&folder.0, &["fleet", "analyses", "store", "--dir", "analyses"]);
+    assert_eq!(written.out, "Documents: 40 in analyses\n", "{}", written.err);
+    let documents: Vec<serde_json::Value> = fs::read_dir(folder.0.join("analyses"))
+        .unwrap()
+        .map(|entry| serde_json::from_slice(&fs::read(entry.unwrap().path()).unwrap()).unwrap())
+        .collect();
+    let of = |path: &str| documents.iter().find(|d| d["log"]["path"] == path).unwrap();
+    let ids = |document: &serde_json::Value| -> Vec<String> {
+        document["diagnostics"].as_array().unwrap().iter().map(|d| d["id"].as_str().unwrap().to_owned()).collect()
+    };
+    assert_eq!(ids(of("logs/2-9.csv")), ["aerodynamic_derivatives", "airframe_explained", "derivative_changed"]);
+    let others = documents.iter().filter(|document| ids(document).len() > 1).count();
+    assert_eq!(others, 1, "only one flight is told of");
+    // A table of numbers has no clock of an autopilot: times are those of the record.
+    let first = of("logs/0-0.csv");
+    assert_eq!(first["clock"], "record");
+    let begins_us = first["diagnostics"][0]["timestamp_us"].as_u64().unwrap();
+    assert!(begins_us < 14_000_000, "{begins_us}");
 }
 
 /// Twenty flights of an airframe that gets another vane after ten of them: 8 % more, and a zero that is half a degree off.

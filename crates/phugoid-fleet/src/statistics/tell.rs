@@ -305,18 +305,7 @@ pub fn tell(rows: &[Row], logs: &[LogRow], question: &Question) -> Result<Findin
     }
     let set = the_set(rows, &question.only)?;
     let (logs, mut notes) = one_for_each_path(logs);
-    let known: HashSet<&str> = logs.iter().map(|log| log.log_sha256.as_str()).collect();
-    // A store of an earlier version may have one result under two keys.
-    let mut taken = HashSet::new();
-    let rows: Vec<&Row> = rows
-        .iter()
-        .filter(|row| row.kind == "log" && set.has(row))
-        .filter(|row| row.source_sha256.as_deref().is_none_or(|hash| known.contains(hash)))
-        .filter(|row| {
-            let Row { source_sha256, segment, parameter, .. } = row;
-            source_sha256.is_none() || taken.insert((source_sha256, segment, parameter))
-        })
-        .collect();
+    let rows = rows_of(rows, &logs, &set);
     let mut refused = BTreeMap::new();
     for word in rows.iter().filter_map(|row| row.refusal.clone()) {
         *refused.entry(word).or_insert(0) += 1;
@@ -354,8 +343,23 @@ fn the_set(rows: &[Row], only: &[String]) -> Result<Set, TellError> {
     fitting.pop().ok_or_else(|| TellError::Nothing { only: only.to_vec() })
 }
 
+/// The rows of these logs that belong to a set, each result once.
+pub(crate) fn rows_of<'a>(rows: &'a [Row], logs: &[&LogRow], set: &Set) -> Vec<&'a Row> {
+    let known: HashSet<&str> = logs.iter().map(|log| log.log_sha256.as_str()).collect();
+    // A store of an earlier version may have one result under two keys.
+    let mut taken = HashSet::new();
+    rows.iter()
+        .filter(|row| row.kind == "log" && set.has(row))
+        .filter(|row| row.source_sha256.as_deref().is_none_or(|hash| known.contains(hash)))
+        .filter(|row| {
+            let Row { source_sha256, segment, parameter, .. } = row;
+            source_sha256.is_none() || taken.insert((source_sha256, segment, parameter))
+        })
+        .collect()
+}
+
 /// The logs, of each path one: where a file was estimated, and again after it had grown, the longest holds what the others hold.
-fn one_for_each_path(logs: &[LogRow]) -> (Vec<&LogRow>, Vec<String>) {
+pub(crate) fn one_for_each_path(logs: &[LogRow]) -> (Vec<&LogRow>, Vec<String>) {
     let mut longest: HashMap<&str, &LogRow> = HashMap::new();
     for log in logs {
         let kept = longest.entry(&log.path).or_insert(log);

@@ -57,6 +57,8 @@ impl Head {
             // A message before the first time stamp is put at the start.
             message.time_s = if message.time_s.is_nan() { 0.0 } else { (message.time_s - start_us) * 1e-6 };
         }
+        // A conversion of a number that is negative or none gives zero.
+        self.quality.clock_at_zero_us = Some(start_us as u64).filter(|clock_us| *clock_us > 0);
         if let Some(offset_s) = self.utc_offset_s {
             let unix_s = offset_s + start_us * 1e-6;
             let words = super::utc::information(unix_s);

@@ -25,6 +25,8 @@ fn topics_instances_arrays_parameters_and_information() {
     assert_eq!(names, ["gyro[0]", "gyro[1]", "gyro[2]", "count"]);
     assert_eq!(imu.time_s.len(), 100);
     assert_eq!(imu.time_s[1], 0.01);
+    // By this another program finds the moment again: the time in the record, and what the autopilot's clock said at zero.
+    assert_eq!(log.quality.clock_at_zero_us, Some(5_000_000));
     assert_eq!(imu.field("gyro[2]").unwrap().values[40], 42.0);
     assert_eq!(log.topic("slow", 0).unwrap().field("level").unwrap().values[3], 15.0);
     assert_eq!(log.parameters, [("MASS".to_owned(), 1.25)]);
