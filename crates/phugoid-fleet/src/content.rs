@@ -55,8 +55,8 @@ impl NamedFiles {
                     named.extend_from_slice(hashes);
                     return;
                 }
-                let hashes = match key == "file" {
-                    // An aircraft, which may be in several files.
+                let hashes = match key == "file" || key == "base" {
+                    // An aircraft, which may be in several files: of a scenario, or below the increments of a model.
                     true => aircraft_hashes(&path),
                     false => hash_file(&path).ok().map(|(hash, _)| hash).into_iter().collect(),
                 };
@@ -198,6 +198,18 @@ dCm_q = { bounds = [-15, 15] }
         folder.change("glider.xml", "</fdm_config>", " </fdm_config>");
         let aircraft = folder.task();
         assert!(aircraft.key("log") != system.key("log") && aircraft.model_text() == before.model_text());
+    }
+
+    /// A case of a comparison has its model as a table.
+    #[test]
+    fn a_base_in_a_table_counts_with_every_file_that_it_names() {
+        let folder = Folder::new("case");
+        let case = folder.0.join("case.toml");
+        std::fs::write(&case, "[model]\nbase = \"glider.xml\"\n").unwrap();
+        let before = source_of(&case).unwrap();
+        assert_eq!(source_of(&case).unwrap(), before);
+        folder.change("vario.xml", "/>", "></system>");
+        assert_ne!(source_of(&case).unwrap(), before);
     }
 
     #[test]
