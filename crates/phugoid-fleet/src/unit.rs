@@ -11,6 +11,7 @@ use phugoid_identification::estimation::Estimation;
 use phugoid_identification::manoeuvres::{Settings, find};
 use phugoid_identification::method::Method;
 use phugoid_identification::model_file::{ModelError, ModelFile, ModelFileError};
+use phugoid_identification::parts::for_parts;
 
 use crate::content::{base_hashes, model_sha256};
 use crate::key::{VERSION, hash_log, key};
@@ -156,19 +157,21 @@ impl Task {
         let mut record = self.record(path, log_sha256).map_err(|error| named(&error))?;
         record.source = path.display().to_string();
         let start_s = record.time.first().copied();
+        let mut model = self.model.clone();
         if segment > 0 {
             let found = find(&record, &Settings::default());
+            (record, model) = for_parts(&record, &model).unwrap_or((record, model));
             let manoeuvre = found.manoeuvres.iter().find(|manoeuvre| manoeuvre.number as i64 == segment);
             let part = manoeuvre.and_then(|manoeuvre| record.between(manoeuvre.from_s, manoeuvre.to_s));
             record = part.ok_or_else(|| named(&format!("has no manoeuvre {segment}")))?;
             record.source = format!("{}, manoeuvre {segment}", path.display());
         }
-        self.estimate(&record, start_s).map_err(|error| named(&error))
+        self.estimate(&record, &model, start_s).map_err(|error| named(&error))
     }
 
-    fn estimate(&self, part: &Record, start_s: Option<f64>) -> Result<Estimation, EstimateError> {
+    fn estimate(&self, part: &Record, model: &ModelFile, start_s: Option<f64>) -> Result<Estimation, EstimateError> {
         let options = EstimateOptions { method: self.method, start_s, ..EstimateOptions::default() };
-        estimate(part, &self.model, &options, &mut |_| {})
+        estimate(part, model, &options, &mut |_| {})
     }
 
     fn rows_of_record(&self, record: &Record, mut common: Row) -> Vec<Row> {
@@ -177,12 +180,15 @@ impl Task {
         common.duration_s = start_s.zip(record.time.last()).map(|(first, last)| last - first);
         if self.segments == Segments::Whole {
             let row = Row { segment: Some(0), ..common };
-            return self.rows_of_segment(record, start_s, row);
+            return self.rows_of_segment(record, &self.model, start_s, row);
         }
         let found = find(record, &Settings::default());
         if found.manoeuvres.is_empty() {
             return vec![common.refused(Refusal::NoManoeuvre, found.reasons.join(" "))];
         }
+        // What one manoeuvre is too short to tell of the surfaces, the whole flight may.
+        let settled = for_parts(record, &self.model);
+        let (record, model) = settled.as_ref().map_or((record, &self.model), |(record, model)| (record, model));
         let mut rows = Vec::new();
         for manoeuvre in &found.manoeuvres {
             let row = Row {
@@ -193,14 +199,14 @@ impl Task {
                 ..common.clone()
             };
             match record.between(manoeuvre.from_s, manoeuvre.to_s).filter(|_| manoeuvre.useful) {
-                Some(part) => rows.extend(self.rows_of_segment(&part, start_s, row)),
+                Some(part) => rows.extend(self.rows_of_segment(&part, model, start_s, row)),
                 None => rows.push(row.refused(Refusal::NotUseful, manoeuvre.remarks.join(" "))),
             }
         }
         rows
     }
 
-    fn rows_of_segment(&self, part: &Record, start_s: Option<f64>, row: Row) -> Vec<Row> {
+    fn rows_of_segment(&self, part: &Record, model: &ModelFile, start_s: Option<f64>, row: Row) -> Vec<Row> {
         let row = Row {
             from_s: part.time.first().copied(),
             to_s: part.time.last().copied(),
@@ -209,7 +215,7 @@ impl Task {
             altitude_m: median_of(part, "altitude"),
             ..row
         };
-        match self.estimate(part, start_s) {
+        match self.estimate(part, model, start_s) {
             Ok(estimation) => row.of_estimation(&estimation),
             Err(error) => vec![row.refused(Refusal::NotEstimated, error.to_string())],
         }

@@ -44,7 +44,7 @@ pub use self::core::{axes, error, estimation, health, method, options, output, s
 pub use judge::form;
 pub use models::{lateral, longitudinal, rigid, six};
 pub use pipeline::{estimate, monitor, session};
-pub use preparation::{front_end, noise, prepare, trim};
+pub use preparation::{front_end, noise, parts, prepare, trim};
 
 // The helpers of the integration tests, used in unit tests too, call this crate by its name.
 #[cfg(test)]

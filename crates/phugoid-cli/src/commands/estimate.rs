@@ -17,6 +17,7 @@ use phugoid_identification::inspect::segment;
 use phugoid_identification::manoeuvres::{Settings, find};
 use phugoid_identification::model_file::{ModelFile, Uncertainty};
 use phugoid_identification::options::Likelihood;
+use phugoid_identification::parts::for_parts;
 use phugoid_report::HtmlOptions;
 use phugoid_simulation::scenario::nearest;
 use serde::Serialize;
@@ -75,10 +76,16 @@ pub(crate) fn run(arguments: &arguments::Estimate) -> Result<ExitCode, Failure> 
     // Times of convergence count from the start of the whole record.
     let start_s = record.time.first().copied();
     let corrections = arguments.correct.as_deref().map(super::compatibility::corrections).transpose()?;
+    let is_part = !arguments.segment.is_empty() || arguments.from.is_some() || arguments.to.is_some();
+    // The whole record tells more of its surfaces than a part of it. What another record holds is another matter.
+    let settled = if is_part && further.is_empty() && predict.is_none() { for_parts(&record, &model) } else { None };
+    let (settled, model) = settled.map_or((None, model), |(record, model)| (Some(record), model));
     let (record, segments) = if arguments.segment.is_empty() {
+        let record = settled.unwrap_or(record);
         (between(record, arguments.from.map(|t| t.si()), arguments.to.map(|t| t.si()))?, Vec::new())
     } else {
-        segments(&record, &arguments.segment)?
+        // Manoeuvres keep the numbers of the record as it was recorded.
+        segments(&record, settled.as_ref(), &arguments.segment)?
     };
     let further: Vec<Record> = segments.into_iter().chain(further).collect();
     let change_detection = match (arguments.change_detection, arguments.no_change_detection) {
@@ -307,9 +314,15 @@ fn truth(words: &[Truth], model: &ModelFile) -> Result<BTreeMap<String, f64>, Fa
     Ok(truth)
 }
 
-/// The parts of the record with the manoeuvres of these numbers: the first one, and the others.
-pub(super) fn segments(record: &Record, numbers: &[usize]) -> Result<(Record, Vec<Record>), Failure> {
+/// The parts of the record with the manoeuvres of these numbers: the first one, and the others. They are cut out of `settled` where
+/// there is one, the same record with its surfaces moved.
+pub(super) fn segments(
+    record: &Record,
+    settled: Option<&Record>,
+    numbers: &[usize],
+) -> Result<(Record, Vec<Record>), Failure> {
     let found = find(record, &Settings::default());
+    let record = settled.unwrap_or(record);
     let mut parts = Vec::with_capacity(numbers.len());
     for (index, number) in numbers.iter().enumerate() {
         if numbers[..index].contains(number) {

@@ -29,7 +29,7 @@ pub(crate) fn run(arguments: &arguments::Regress) -> Result<(), Failure> {
             model.open_record_with(&arguments.flight, &arguments.reading.options()).map_err(Failure::input)?;
         deletions.apply(&mut record, &arguments.flight, true)?;
         match arguments.segment {
-            Some(number) => segments(&record, &[number])?.0,
+            Some(number) => segments(&record, None, &[number])?.0,
             None => between(record, arguments.from.map(|t| t.si()), arguments.to.map(|t| t.si()))?,
         }
     };

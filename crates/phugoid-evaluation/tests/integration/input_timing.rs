@@ -8,9 +8,11 @@ use std::path::Path;
 use phugoid_evaluation::field::truth::{Split, Truth, find};
 use phugoid_flight_data::record::Record;
 use phugoid_identification::estimate::{EstimateOptions, estimate};
+use phugoid_identification::estimation::UncertainQuantity;
 use phugoid_identification::lateral::LateralModel;
 use phugoid_identification::longitudinal::LongitudinalModel;
 use phugoid_identification::model_file::{InputHold, ModelFile};
+use phugoid_identification::parts::for_parts;
 use phugoid_identification::prepare::prepare;
 
 const SURFACES: [&str; 3] = ["elevator", "aileron", "rudder"];
@@ -193,4 +195,51 @@ fn surfaces_that_are_slower_than_the_record_run_straight_between_their_own_sampl
         }
     }
     assert!(seen >= 20, "{seen}");
+}
+
+/// A manoeuvre so short that nothing tells how the surfaces moved: held is one way and straight lines another, half a sample apart,
+/// and the bounds hold that beside what is declared of the timing of surfaces.
+#[test]
+fn what_a_short_record_does_not_tell_of_its_surfaces_is_in_the_bounds() {
+    let flights = find(Path::new("tests/field"), Split::Develop).unwrap();
+    let truth = flights.iter().find(|truth| truth.axes == "longitudinal" && truth.is_healthy()).unwrap();
+    let mut file = ModelFile::find(&truth.folder.join(&truth.model).to_string_lossy()).unwrap();
+    let whole = file.open_record(truth.folder.join(&truth.record)).unwrap();
+    let short = (0..20_u8)
+        .filter_map(|from| whole.between(f64::from(from), f64::from(from) + 3.0))
+        .find(|part| {
+            file.input = InputHold::Auto;
+            let notes =
+                prepare::<LongitudinalModel, _, _>(part, &file).map(|prepared| prepared.notes).unwrap_or_default();
+            notes.iter().any(|note| note.contains("cannot be seen in this record"))
+        })
+        .expect("three seconds of a flight that tell nothing of it");
+    let skew_of = |input: InputHold| {
+        let file = ModelFile { input, ..file.clone() };
+        let estimation = estimate(&short, &file, &EstimateOptions::default(), &mut |_| {}).unwrap();
+        let parameter = estimation.parameters.iter().find(|p| p.name == "Cm_elevator").unwrap();
+        let parts = parameter.systematic_parts.iter();
+        parts.filter(|part| part.quantity == UncertainQuantity::SurfaceSkew).map(|part| part.effect).sum::<f64>()
+    };
+    let [open, said] = [InputHold::Auto, InputHold::Held].map(skew_of);
+    let declared_s = file.uncertainty.surface_skew;
+    let expected = declared_s.hypot(0.5 * short.sample_time_s() * 0.5_f64.sqrt()) / declared_s;
+    assert!(expected > 1.2, "the flight is sampled too fast to show it: {expected}");
+    assert!((open / said / expected - 1.0).abs() < 1e-9, "{} instead of {expected}", open / said);
+    // The whole flight tells it, as it does of a flight whose surfaces were stamped late: there the surfaces are moved.
+    file.input = InputHold::Auto;
+    let (_, settled) = for_parts(&whole, &file).expect("the whole flight tells it");
+    assert_eq!(settled.input, InputHold::Interpolated);
+    let notes = prepare::<LongitudinalModel, _, _>(&short, &settled).unwrap().notes;
+    assert!(notes.iter().any(|note| note.starts_with("by the whole record, `input`")), "{notes:?}");
+    assert!(!notes.iter().any(|note| note.contains("in the bounds")), "{notes:?}");
+    let late = stamped_late(&whole, 0.06);
+    let (moved, _) = for_parts(&late, &file).expect("the whole flight tells that it is late");
+    let of = |record: &Record| record.channel("elevator").unwrap().values.clone();
+    let scatter = |one: &[f64], other: &[f64]| one.iter().zip(other).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
+    let (before, after) = (scatter(&of(&whole), &of(&late)), scatter(&of(&whole), &of(&moved)));
+    assert!(after < 0.2 * before, "{after} of {before}");
+    // What the file says is not asked.
+    file.input = InputHold::Held;
+    assert!(for_parts(&whole, &file).is_none());
 }

@@ -7,6 +7,7 @@ pub(crate) mod excitation;
 pub mod front_end;
 pub(crate) mod intake;
 pub mod noise;
+pub mod parts;
 pub mod prepare;
 pub(crate) mod prepared;
 pub(crate) mod reaction;

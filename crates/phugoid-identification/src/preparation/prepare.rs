@@ -24,7 +24,7 @@ use crate::preparation::reaction::surfaces;
 use crate::preparation::resample::earlier;
 use crate::preparation::slow_surface::SlowSurface;
 use crate::preparation::surface::{self, SurfaceNoise, WildValues};
-use crate::preparation::timing::timing;
+use crate::preparation::timing::{OPEN, timing, unseen_std_s};
 use crate::preparation::trim::{LevelTrim, TrimCondition, level_trim};
 
 /// Says how often a surface moved while it was not sampled. The model takes it to move at the later sample, or evenly;
@@ -118,7 +118,7 @@ pub fn prepare<M: Motion<N, R>, const N: usize, const R: usize>(
             let slow = prepared.slow_surfaces.iter().find(|slow| slow.name == time.name);
             time.step_s = slow.map_or(time.step_s, |slow| slow.step_s);
         }
-        let found = timing(&times, !prepared.slow_surfaces.is_empty());
+        let found = timing(&times, median_step(&prepared.time).unwrap_or(0.0));
         let is_told = !times.is_empty();
         let said = prepared.take_slow_surfaces(is_told, found.is_certain, found.hold);
         prepared.notes.extend(said);
@@ -132,6 +132,10 @@ pub fn prepare<M: Motion<N, R>, const N: usize, const R: usize>(
             times.iter_mut().filter(|one| one.name == *name).for_each(|one| one.late_s -= late_s);
         }
         prepared.surface_times = Some(times);
+        // Of surfaces that are all slower than the record, of which nothing else tells, what is open is that of their own samples.
+        if is_told || !prepared.has_only_slow_surfaces() {
+            prepared.surface_time_std_s = prepared.surface_time_std_s.max(found.open_std_s);
+        }
         prepared.moved_s = found.late_s.iter().map(|(name, late_s)| ((*name).to_owned(), *late_s)).collect();
         prepared.hold = hold;
         prepared.inputs = model_inputs::<M, N, R>(&prepared.known, file, hold);
@@ -353,6 +357,15 @@ fn collect<M: Motion<N, R>, const N: usize, const R: usize>(
     let (database_parts, lacking) = database_parts(file, &database, &reference, condition);
     notes.extend(lacking);
     let model = M::build(file, database, &reference);
+    let is_slow = |name: &str| slow_surfaces.iter().any(|slow| slow.name == name);
+    let mut surfaces = known.iter().filter(|signal| Axes::SURFACES.contains(&signal.name.as_str()));
+    let is_open = file.input == InputHold::Auto && surfaces.any(|signal| !is_slow(&signal.name));
+    let step_s = median_step(&time).unwrap_or(0.0);
+    if is_open && sight == Sight::Past {
+        notes.push(format!(
+            "`input`: the surfaces are taken as held between samples, since later ones are not known yet, {OPEN}"
+        ));
+    }
     Ok(Prepared {
         model,
         time,
@@ -365,7 +378,9 @@ fn collect<M: Motion<N, R>, const N: usize, const R: usize>(
         surface_times: None,
         surface_time_std_s: match (sight, file.input) {
             (Sight::Past, InputHold::Auto | InputHold::Interpolated) => {
-                slow_surfaces.iter().map(SlowSurface::held_std_s).fold(0.0, f64::max)
+                let of_slow = slow_surfaces.iter().map(SlowSurface::held_std_s).fold(0.0, f64::max);
+                // What comes later would tell how the others moved, and nobody knows it yet.
+                if is_open { of_slow.max(unseen_std_s(step_s)) } else { of_slow }
             }
             _ => 0.0,
         },

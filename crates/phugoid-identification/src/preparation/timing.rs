@@ -40,20 +40,28 @@ pub(crate) struct Timing {
     pub(crate) is_certain: bool,
     /// Surfaces to be moved, and how late they were recorded, s.
     pub(crate) late_s: Vec<(&'static str, f64)>,
+    /// One sigma of the time that stays open, s; zero where the record tells it.
+    pub(crate) open_std_s: f64,
     /// What was decided, and on which grounds.
     pub(crate) notes: Vec<String>,
 }
 
-/// Decides how the surfaces moved, from the times at which each of them was recorded. `is_bounded` says whether what stays open of
-/// the time is put into the bounds of the estimate: the notes tell it.
-pub(crate) fn timing(found: &[SurfaceDelay], is_bounded: bool) -> Timing {
-    let open = open(is_bounded);
+/// One sigma of the time of surfaces that are taken as held where nothing tells how they moved, s: half a `step_s` off, if they
+/// ran straight.
+pub(crate) fn unseen_std_s(step_s: f64) -> f64 {
+    (STRAIGHT / (HELD + STRAIGHT)).sqrt() * 0.5 * step_s
+}
+
+/// Decides how the surfaces moved, from the times at which each of them was recorded. `step_s` is the sample time of the record, s.
+/// What stays open of the time belongs into the bounds of the estimate, and the notes say that it is there.
+pub(crate) fn timing(found: &[SurfaceDelay], step_s: f64) -> Timing {
     if found.is_empty() {
         let note = format!(
             "`input`: whether the surfaces were held between samples cannot be seen in this record (too short, no flow angle, \
-             or motion that no surface made); they are taken as held, {open}"
+             or motion that no surface made); they are taken as held, {OPEN}"
         );
-        return Timing { hold: InputHold::Held, is_certain: false, late_s: Vec::new(), notes: vec![note] };
+        let open_std_s = unseen_std_s(step_s);
+        return Timing { hold: InputHold::Held, is_certain: false, late_s: Vec::new(), notes: vec![note], open_std_s };
     }
     let said = |s: &SurfaceDelay| {
         format!("the {} was recorded {:+.1} ± {:.1} ms late", s.name, 1e3 * s.late_s, 2e3 * std_s(s))
@@ -61,7 +69,7 @@ pub(crate) fn timing(found: &[SurfaceDelay], is_bounded: bool) -> Timing {
     let grounds = found.iter().map(said).collect::<Vec<_>>().join(", ");
     let Probabilities { held, straight, alike, each } = probabilities(found);
     if alike.max(each) >= CERTAIN {
-        return skewed(found, alike >= each, &grounds, is_bounded);
+        return skewed(found, alike >= each, &grounds);
     }
     let (hold, word, probability) = if held > straight {
         (InputHold::Held, "were held", held)
@@ -80,10 +88,24 @@ pub(crate) fn timing(found: &[SurfaceDelay], is_bounded: bool) -> Timing {
     let doubt = if is_certain {
         String::new()
     } else {
-        format!(". This is not certain: the nearer of straight and held is taken, {open}")
+        format!(". This is not certain: the nearer of straight and held is taken, {OPEN}")
     };
+    let other = if hold == InputHold::Held { straight } else { held };
+    let open_std_s = if is_certain { 0.0 } else { open_std_s(found, hold, other, alike + each) };
     let note = format!("`input`: the surfaces {word} between samples: {grounds}{doubt}");
-    Timing { hold, is_certain, late_s: Vec::new(), notes: vec![note] }
+    Timing { hold, is_certain, late_s: Vec::new(), notes: vec![note], open_std_s }
+}
+
+/// One sigma of the time of surfaces that are taken to move in this way, s: the root of the mean square of how far they are off,
+/// half a step if they move in the `other` way, and the time that was found with its error if they were `skewed`, each by its
+/// probability.
+fn open_std_s(found: &[SurfaceDelay], hold: InputHold, other: f64, skewed: f64) -> f64 {
+    let of = |s: &SurfaceDelay| {
+        let off_s = off_s(s, hold).hypot(std_s(s));
+        // A time beyond all skews has no probability among them.
+        (other * (0.5 * s.step_s).powi(2) + if skewed > 0.0 { skewed * off_s.powi(2) } else { 0.0 }).sqrt()
+    };
+    found.iter().map(of).fold(0.0, f64::max)
 }
 
 /// How probable each way of recording is once the times are known.
@@ -123,17 +145,8 @@ fn probabilities(found: &[SurfaceDelay]) -> Probabilities {
 }
 
 /// What a user should know where nothing was decided.
-fn open(is_bounded: bool) -> String {
-    format!(
-        "and half a sample more or less is {} the bounds. If you know it, add the line input = \"held\" (commands) or input = \
-         \"interpolated\" (positions) to the model file, above its first [section]",
-        where_it_is(is_bounded)
-    )
-}
-
-const fn where_it_is(is_bounded: bool) -> &'static str {
-    if is_bounded { "in" } else { "not in" }
-}
+pub(crate) const OPEN: &str = "and half a sample more or less is in the bounds, as timing of surfaces. If you know it, add the line input = \
+                    \"held\" (commands) or input = \"interpolated\" (positions) to the model file, above its first [section]";
 
 /// How late a surface was recorded if it moves in this way, s.
 fn off_s(surface: &SurfaceDelay, hold: InputHold) -> f64 {
@@ -147,7 +160,7 @@ fn std_s(surface: &SurfaceDelay) -> f64 {
 
 /// Takes skews out. Held positions that are moved by half a sample are straight lines, as nearly as the aircraft notices.
 /// Where all are `alike`, a surface that says little is moved with the others; otherwise what is near to straight lines stays.
-fn skewed(found: &[SurfaceDelay], alike: bool, grounds: &str, is_bounded: bool) -> Timing {
+fn skewed(found: &[SurfaceDelay], alike: bool, grounds: &str) -> Timing {
     let (mean_s, mean_std_s) = common(found);
     // How far each is moved, and one sigma of it.
     let move_of = |s: &SurfaceDelay| match alike {
@@ -162,14 +175,15 @@ fn skewed(found: &[SurfaceDelay], alike: bool, grounds: &str, is_bounded: bool) 
     let doubt = if is_known {
         String::new()
     } else {
-        format!(". By how much is not certain, and what it is off by is {} the bounds", where_it_is(is_bounded))
+        ". By how much is not certain, and what it may be off by is in the bounds".to_owned()
     };
+    let open_std_s = if is_known { 0.0 } else { found.iter().map(|s| move_of(s).1).fold(0.0, f64::max) };
     let note = format!(
         "`input`: {grounds} against straight lines (two sigma), by when the aircraft reacts to it, which is neither in time \
          nor held: what was recorded late was moved earlier, {}. Check time stamps and filters{doubt}",
         by.join(", ")
     );
-    Timing { hold: InputHold::Interpolated, is_certain: is_known, notes: vec![note], late_s: moved }
+    Timing { hold: InputHold::Interpolated, is_certain: is_known, notes: vec![note], late_s: moved, open_std_s }
 }
 
 /// The mean delay, each by what it says, and one sigma of it, s.
@@ -183,15 +197,17 @@ fn common(found: &[SurfaceDelay]) -> (f64, f64) {
 mod tests {
     use super::*;
 
+    const STEP_S: f64 = 0.02;
+
     /// A surface at 50 Hz, by ms.
     fn surface(late: f64, std: f64) -> SurfaceDelay {
-        SurfaceDelay { name: "elevator", late_s: 1e-3 * late, std_s: 1e-3 * std, step_s: 0.02 }
+        SurfaceDelay { name: "elevator", late_s: 1e-3 * late, std_s: 1e-3 * std, step_s: STEP_S }
     }
 
     #[test]
     fn held_straight_and_skewed_are_told_apart() {
         let decided = |late, std| {
-            let found = timing(&[surface(late, std)], false);
+            let found = timing(&[surface(late, std)], STEP_S);
             (
                 found.hold,
                 found.late_s.first().map(|moved| (1e3 * moved.1).round()),
@@ -212,32 +228,47 @@ mod tests {
         assert_eq!(decided(16.0, 4.0), (InputHold::Interpolated, None, true));
         // No recorder is so late.
         assert_eq!(decided(400.0, 2.0), (InputHold::Interpolated, None, true));
-        assert_eq!(timing(&[], false).hold, InputHold::Held);
+        assert_eq!(timing(&[], STEP_S).hold, InputHold::Held);
     }
 
     #[test]
     fn what_was_decided_is_said_with_its_error_and_what_to_do() {
-        let note = |late, std| timing(&[surface(late, std)], false).notes.concat();
+        let note = |late, std| timing(&[surface(late, std)], STEP_S).notes.concat();
         assert!(note(0.5, 1.0).contains("the elevator was recorded +0.5 ± 3.5 ms late"), "{}", note(0.5, 1.0));
         assert!(note(0.5, 1.0).contains("Probability of straight lines 99."), "{}", note(0.5, 1.0));
         assert!(!note(0.5, 1.0).contains("add the line"));
         assert!(note(-4.0, 4.0).contains("add the line input = \"held\""), "{}", note(-4.0, 4.0));
-        assert!(timing(&[], false).notes[0].contains("add the line input = \"held\""));
-        // Whether the bounds hold what stays open is said as it is.
+        assert!(timing(&[], STEP_S).notes[0].contains("add the line input = \"held\""));
         for late in [-4.9, 40.0] {
-            let said = |is_bounded| timing(&[surface(late, 6.0)], is_bounded).notes.concat();
-            assert!(said(false).contains("is not in the bounds") && said(true).contains("is in the bounds"), "{late}");
+            let said = timing(&[surface(late, 6.0)], STEP_S).notes.concat();
+            assert!(said.contains("is in the bounds"), "{late}");
         }
+    }
+
+    /// Held commands and straight lines are half a sample of 20 ms apart.
+    #[test]
+    fn what_stays_open_of_the_time_has_a_sigma() {
+        let open_ms = |late, std| 1e3 * timing(&[surface(late, std)], STEP_S).open_std_s;
+        assert_eq!((open_ms(0.5, 1.0), open_ms(-9.5, 1.0), open_ms(21.0, 2.0)), (0.0, 0.0, 0.0));
+        // Nothing is known: as often half a sample off as not.
+        assert!((1e3 * timing(&[], STEP_S).open_std_s - 10.0 / 2.0_f64.sqrt()).abs() < 1e-9);
+        // As near to the one as to the other.
+        assert!((6.9..7.5).contains(&open_ms(-5.0, 1.5)), "{}", open_ms(-5.0, 1.5));
+        // Late for certain, and by how much only to its error, 6 ms with what the equation cannot know.
+        assert!((6.1..6.3).contains(&open_ms(40.0, 6.0)), "{}", open_ms(40.0, 6.0));
+        // It may be a skew as large as was found.
+        assert!((4.0..16.5).contains(&open_ms(16.0, 4.0)), "{}", open_ms(16.0, 4.0));
+        assert!(open_ms(400.0, 2.0).is_finite());
     }
 
     #[test]
     fn one_recorder_stamps_all_surfaces_alike() {
         let rudder = SurfaceDelay { name: "rudder", ..surface(5.0, 9.0) };
-        let found = timing(&[surface(20.0, 1.0), rudder], false);
+        let found = timing(&[surface(20.0, 1.0), rudder], STEP_S);
         assert_eq!(found.late_s.len(), 2);
         assert!(found.late_s.iter().all(|moved| (1e3 * moved.1 - 20.0).abs() < 0.6), "{found:?}");
         // In time for certain: it is not moved with the other.
         let rudder = SurfaceDelay { name: "rudder", ..surface(0.0, 1.0) };
-        assert_eq!(timing(&[surface(20.0, 1.0), rudder], false).late_s, [("elevator", 0.02)]);
+        assert_eq!(timing(&[surface(20.0, 1.0), rudder], STEP_S).late_s, [("elevator", 0.02)]);
     }
 }
