@@ -297,6 +297,7 @@ pub(crate) fn estimation(case: &Case) -> Estimation {
         quality: QualityReport {
             deletions: Vec::new(),
             start: None,
+            clock_at_zero_us: None,
             rows_read: count + 3,
             rows_kept: count,
             sample_time_s: step,
