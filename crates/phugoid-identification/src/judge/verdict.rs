@@ -60,6 +60,10 @@ pub(crate) fn verdict<M: Motion<N, R>, const N: usize, const R: usize>(
         sentences.extend(systematic::sentence(parameters));
     }
     sentences.extend(task.prepared.notes.iter().map(|n| format!("{}.", capitalised(n))));
+    let unchecked = run.no_second_answer.as_ref();
+    sentences.extend(unchecked.map(|why| {
+        format!("No method of another kind stands beside these values, as one does by default, so that none has confirmed them: {why}.")
+    }));
     sentences
 }
 

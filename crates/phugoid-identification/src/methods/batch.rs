@@ -58,7 +58,7 @@ pub(super) fn run_batch<M: MotionModel<N, R, CAPACITY>, const N: usize, const R:
         .collect();
     let structure = structure::<M, N, R>(task)?;
     let regression = EquationErrorSettings::automatic(sample_time(&prepared.time));
-    let Solved { mut fit, equations, second_answer, structure } =
+    let Solved { mut fit, equations, second_answer, no_second_answer, structure } =
         solve::<M, N, R>(task, &manoeuvres, structure, &regression)?;
     let systematic = match task.follows_constants() {
         true => systematic::<M, N, R>(task, &manoeuvres, &structure, &regression, &fit),
@@ -104,6 +104,7 @@ pub(super) fn run_batch<M: MotionModel<N, R, CAPACITY>, const N: usize, const R:
         health: None,
         batch: Some(report(&fit, equations, prediction)),
         second_answer,
+        no_second_answer,
         disputed: None,
         follows_constants: systematic.is_some(),
     };
@@ -186,6 +187,7 @@ struct Solved<const N: usize, const R: usize> {
     equations: Vec<Equation>,
     /// By equation error, of the other methods.
     second_answer: Option<SecondAnswer>,
+    no_second_answer: Option<String>,
 }
 
 fn solve<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
@@ -219,11 +221,20 @@ fn solve<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
     };
     if method.is_equation_error() {
         let found = equations()?;
-        return Ok(Solved { fit: found.fit, structure, equations: found.equations, second_answer: None });
+        return Ok(Solved {
+            fit: found.fit,
+            structure,
+            equations: found.equations,
+            second_answer: None,
+            no_second_answer: None,
+        });
     }
     // The values of the model file may lie beyond another minimum than the best one; those of the regression need no
     // start themselves and are biased by noise only.
-    let regressed = equations().ok();
+    let (regressed, no_second_answer) = match equations() {
+        Ok(found) => (Some(found), None),
+        Err(error) => (None, Some(error.to_string())),
+    };
     let by = if band.is_some() { Method::EquationErrorFrequency } else { Method::EquationError };
     let second_answer = regressed.as_ref().map(|found| SecondAnswer { method: by, values: others(&found.fit) });
     // A simulation needs constants too, which a band does not give.
@@ -264,7 +275,7 @@ fn solve<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
         Method::OutputError => with_flow_angles::<M, N, R>(task, manoeuvres, structure, searched)?,
         _ => (searched(&structure)?, structure),
     };
-    Ok(Solved { fit, structure, equations: Vec::new(), second_answer })
+    Ok(Solved { fit, structure, equations: Vec::new(), second_answer, no_second_answer })
 }
 
 /// Output error with the flow angles that the options ask for, and what was unknown with them; `searched` finds its minimum

@@ -51,6 +51,7 @@ pub(super) fn run_causal<M: Motion<N, R>, const N: usize, const R: usize>(
         health: None,
         batch: None,
         second_answer: None,
+        no_second_answer: None,
         disputed: None,
         follows_constants: task.follows_constants(),
     };

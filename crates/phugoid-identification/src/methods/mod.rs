@@ -42,11 +42,9 @@ pub(crate) fn run<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     let method = task.method();
     if method.is_equation_error() {
         let mut run = batch::run_batch(task, progress)?;
-        if let Some(report) = &mut run.batch {
-            match second::by_filter(task) {
-                Ok(answer) => run.second_answer = Some(answer),
-                Err(error) => report.notes.push(format!("no second method stands beside these values: {error}")),
-            }
+        match second::by_filter(task) {
+            Ok(answer) => run.second_answer = Some(answer),
+            Err(error) => run.no_second_answer = Some(error.to_string()),
         }
         Ok(run)
     } else if method.is_batch() {

@@ -37,18 +37,20 @@ pub(super) fn by_filter<M: EveryRoom<N, R>, const N: usize, const R: usize>(
 }
 
 /// What stands beside the values of a causal method: equation error beside a filter, a filter beside a regression. `None` where
-/// that gives no answer, where only what a live session would have had is asked for, where nothing moved, and beside a law without
-/// bounds.
+/// only what a live session would have had is asked for, where nothing moved, and beside a law without bounds.
+///
+/// # Errors
+/// Why the other method gives no answer.
 pub(crate) fn beside_causal<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     task: &Task<M, N, R>,
     run: &Run<R>,
-) -> Option<SecondAnswer> {
+) -> Option<Result<SecondAnswer, EstimateError>> {
     if task.options.causal_only || !run.excited {
         return None;
     }
     match task.method() {
-        method if method.learns_noise() => by_equations(task, run),
-        method if method.is_recursive_regression() => by_filter(task).ok(),
+        method if method.learns_noise() => Some(by_equations(task, run)),
+        method if method.is_recursive_regression() => Some(by_filter(task)),
         _ => None,
     }
 }
@@ -56,11 +58,14 @@ pub(crate) fn beside_causal<M: EveryRoom<N, R>, const N: usize, const R: usize>(
 /// The parameters of the task's record by equation error, from the samples since the last change of everything that stands in the
 /// run: what it says is about the same aircraft as the estimates at the end. Where constants alone have changed since (a trim
 /// shift), the flight is solved in parts between these times: derivatives are the means of the parts by their errors, as the filter
-/// takes them to be the same, and constants those of the last part. `None` where the equations give no answer.
+/// takes them to be the same, and constants those of the last part.
+///
+/// # Errors
+/// Why the equations give no answer of the last part.
 fn by_equations<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     task: &Task<M, N, R>,
     run: &Run<R>,
-) -> Option<SecondAnswer> {
+) -> Result<SecondAnswer, EstimateError> {
     let prepared = task.prepared;
     let standing = || run.changes.iter().filter(|change| change.outcome.stands());
     let sample = |time_s: f64| prepared.time.partition_point(|t| *t < time_s);
@@ -70,9 +75,10 @@ fn by_equations<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     ends.push(prepared.time.len());
     ends.sort_unstable();
     let settings = EquationErrorSettings::automatic(sample_time(&prepared.time));
-    let structure = structure::<M, N, R>(task).ok()?;
+    let structure = structure::<M, N, R>(task)?;
     let mut first = sample(since_s);
-    let mut parts: Vec<Option<Vec<OtherValue>>> = Vec::with_capacity(ends.len());
+    let mut before: Vec<Vec<OtherValue>> = Vec::with_capacity(ends.len());
+    let mut last = Ok(Vec::new());
     for end in ends {
         let part = Manoeuvre {
             first,
@@ -80,14 +86,14 @@ fn by_equations<M: EveryRoom<N, R>, const N: usize, const R: usize>(
             outputs: &prepared.outputs[first..end],
             ..manoeuvre::<M, N, R>("the record", prepared)
         };
-        parts.push(equation_error(&[part], &structure, &settings).ok().map(|found| others(&found.fit)));
+        before.extend(last.ok());
+        last = equation_error(&[part], &structure, &settings).map(|found| others(&found.fit));
         first = end;
     }
-    let last = parts.pop()??;
-    let before: Vec<Vec<OtherValue>> = parts.into_iter().flatten().collect();
+    let last = last?;
     let is_constant = |name: &str| task.file.estimated().any(|p| p.name == name && p.role.is_constant_term());
     let together = |value: OtherValue| if is_constant(&value.name) { value } else { mean(value, &before) };
-    Some(SecondAnswer { method: Method::EquationError, values: last.into_iter().map(together).collect() })
+    Ok(SecondAnswer { method: Method::EquationError, values: last.into_iter().map(together).collect() })
 }
 
 /// The mean of a value and of those of the same name in other parts of the flight, by their errors.

@@ -235,7 +235,11 @@ fn once<'a, M: EveryRoom<N, R> + 'a, const N: usize, const R: usize>(
     let causal = run(&task, &mut |done| progress(first * done))?;
     let mut run = look_back(&task, causal, &mut |done| progress(first + (1.0 - first) * done))?;
     if !task.method().is_batch() {
-        run.second_answer = beside_causal(&task, &run);
+        match beside_causal(&task, &run) {
+            Some(Ok(answer)) => run.second_answer = Some(answer),
+            Some(Err(error)) => run.no_second_answer = Some(error.to_string()),
+            None => {}
+        }
     }
     progress(1.0);
     let watched = run.health.take();
