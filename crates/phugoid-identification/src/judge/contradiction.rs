@@ -106,7 +106,8 @@ pub(crate) struct Unsettled {
 /// is not yet there, s: until a doubt opens evidence has to come together, and a short-period motion takes some seconds.
 const AROUND_S: [f64; 2] = [3.0, 3.0];
 /// Share of a record in which changes may be found: more of them are no changes of the aircraft but a model that does not
-/// fit.
+/// fit. One change is never too many: what it has around it is as long in a record of 20 s as in one of an hour, and 30 % of the
+/// shorter one. Of a single change, only the time from the doubt to the adoption counts, as a share of the rest of the record.
 const MOST_FINDING: f64 = 0.3;
 
 /// Time after the first motion in which a filter learns, s: start values may be far from the answer, and the noise levels
@@ -120,8 +121,9 @@ impl Unsettled {
         let from_s = changes.last().map_or(f64::NEG_INFINITY, |[_, adopted_s]| *adopted_s);
         let around = |[doubted_s, adopted_s]: &[f64; 2]| [doubted_s - AROUND_S[0], adopted_s + AROUND_S[1]];
         let mut stretches_s: Vec<[f64; 2]> = changes.iter().map(around).collect();
-        let share = stretches_s.iter().map(|[from_s, to_s]| to_s - from_s).sum::<f64>() / length_s;
-        if share > MOST_FINDING {
+        let finding_s = stretches_s.iter().map(|[from_s, to_s]| to_s - from_s).sum::<f64>();
+        let free_s: f64 = if changes.len() == 1 { AROUND_S.iter().sum() } else { 0.0 };
+        if finding_s - free_s > MOST_FINDING * (length_s - free_s) {
             stretches_s.clear();
         }
         stretches_s.extend(learns_s.map(|t| [t, t + LEARNING_S]));
@@ -306,6 +308,23 @@ mod tests {
         // Elsewhere it excuses nothing, and a model with a change every few seconds is not excused either.
         assert_eq!(found(&[[40.0, 42.0]]), [ReasonCode::Contradiction]);
         assert_eq!(found(&[[10.0, 12.0], [20.0, 22.0], [29.0, 31.0]]), [ReasonCode::Contradiction]);
+    }
+
+    #[test]
+    fn a_single_change_is_not_too_many_for_a_short_record() {
+        // Twenty seconds of which 1.2 about a change do not fit.
+        let time = time(1000);
+        let mut values = vec![0.5; 1000];
+        values[500..560].fill(9.0);
+        let found = |changes: &[[f64; 2]]| {
+            let changes = Unsettled::new(changes, 20.0, None);
+            reasons(&time, &[signal(values.clone())], None, &changes, &[]).len()
+        };
+        assert_eq!(found(&[]), 1);
+        assert_eq!(found(&[[10.6, 10.7]]), 0);
+        // A second change, or a doubt that lasts for more than 30 % of the rest, is a model that does not fit.
+        assert_eq!(found(&[[4.6, 4.7], [10.6, 10.7]]), 1);
+        assert_eq!(found(&[[6.0, 10.7]]), 1);
     }
 
     #[test]
