@@ -8,12 +8,15 @@ use std::path::Path;
 use phugoid_evaluation::field::truth::{Split, Truth, find};
 use phugoid_flight_data::record::Record;
 use phugoid_identification::estimate::{EstimateOptions, estimate};
-use phugoid_identification::estimation::UncertainQuantity;
+use phugoid_identification::estimation::{ReasonCode, UncertainQuantity};
 use phugoid_identification::lateral::LateralModel;
 use phugoid_identification::longitudinal::LongitudinalModel;
 use phugoid_identification::model_file::{InputHold, ModelFile};
 use phugoid_identification::parts::for_parts;
 use phugoid_identification::prepare::prepare;
+use phugoid_identification::six::SixModel;
+use phugoid_simulation::flight::{fly, sense};
+use phugoid_simulation::scenario::Scenario;
 
 const SURFACES: [&str; 3] = ["elevator", "aileron", "rudder"];
 
@@ -242,4 +245,36 @@ fn what_a_short_record_does_not_tell_of_its_surfaces_is_in_the_bounds() {
     // What the file says is not asked.
     file.input = InputHold::Held;
     assert!(for_parts(&whole, &file).is_none());
+}
+
+/// Aileron doublets of the F-16, and a rudder that nobody moves. The rudder's column of the rolling moment is zero, and the time of the
+/// aileron was not found for it: the flight with a late aileron was refused without a word on the cause.
+#[test]
+fn a_late_aileron_is_found_where_the_rudder_is_never_moved() {
+    let text = include_str!("../../../../scenarios/f16-lateral.toml").replace("4 deg\"", "0 deg\"");
+    let scenario = Scenario::parse(&text, "f16-lateral").unwrap();
+    let flown = sense(&fly(&scenario).unwrap().truth, &scenario, 1).unwrap();
+    let rudder = &flown.channels.iter().find(|channel| channel.name == "rudder").unwrap().values;
+    assert!(rudder.iter().all(|v| v.abs() < 1e-12), "nobody moves the rudder");
+    let model = ModelFile::named("f16-lateral").unwrap();
+    let late = stamped_late(&flown, 0.06);
+
+    let file = ModelFile { input: InputHold::Auto, ..model.clone() };
+    let prepared = prepare::<SixModel, _, _>(&flown, &file).unwrap();
+    assert!(prepared.hold == InputHold::Held && prepared.moved_s.is_empty(), "{:?}", prepared.notes);
+    // Commands were held: against straight lines between the samples they are half a sample of 10 ms earlier.
+    let prepared = prepare::<SixModel, _, _>(&late, &file).unwrap();
+    let [(name, late_s)] = &prepared.moved_s[..] else { panic!("{:?}", prepared.notes) };
+    assert!(name == "aileron" && (late_s - 0.055).abs() < NEAR_S, "{:?}", prepared.notes);
+
+    // Where the file says how surfaces move, nothing is moved, and the verdict names it.
+    let found = estimate(&late, &model, &EstimateOptions::default(), &mut |_| ()).unwrap();
+    let named = found.reasons.iter().find(|reason| reason.code == ReasonCode::SensorError).unwrap();
+    assert!(named.concerns == ["aileron"] && named.sentence.contains("the aileron was recorded"), "{named:?}");
+
+    // A record that is too short to see it says so.
+    let file = ModelFile { input: InputHold::Held, ..model };
+    let prepared = prepare::<SixModel, _, _>(&flown.between(4.0, 11.0).unwrap(), &file).unwrap();
+    let note = "whether the aileron was recorded late is not checked";
+    assert!(prepared.notes.iter().any(|said| said.starts_with(note)), "{:?}", prepared.notes);
 }

@@ -142,7 +142,10 @@ pub fn prepare<M: Motion<N, R>, const N: usize, const R: usize>(
         if hold == found.hold {
             prepared.notes.extend(found.notes);
         }
+    } else {
+        prepared.surface_times = Some(surfaces(&prepared, file));
     }
+    prepared.notes.extend(prepared.times_not_seen(file));
     Ok(prepared)
 }
 
@@ -167,6 +170,28 @@ impl<M: Motion<N, R>, const N: usize, const R: usize> Prepared<M, N, R> {
         }
         said
     }
+
+    /// What is said of the surfaces that move, and of which nothing tells when they were recorded.
+    fn times_not_seen(&self, file: &ModelFile) -> Option<String> {
+        let seen = self.surface_times.as_deref().unwrap_or_default();
+        // Where none is seen the note on `input` says so.
+        if file.input == InputHold::Auto && seen.is_empty() {
+            return None;
+        }
+        let moves = |signal: &&Signal| signal.values.windows(2).any(|pair| pair[0] != pair[1]);
+        let names: Vec<&str> = self.surfaces().filter(moves).map(|signal| signal.name.as_str()).collect();
+        let names: Vec<&str> = names.into_iter().filter(|name| seen.iter().all(|one| one.name != *name)).collect();
+        (!names.is_empty()).then(|| not_seen(&names))
+    }
+}
+
+/// What is said of surfaces of which the record does not tell by when the aircraft reacts to them.
+fn not_seen(names: &[&str]) -> String {
+    format!(
+        "whether the {} was recorded late is not checked: this record does not tell when the aircraft reacts to it (too short, too \
+         little motion of its own, or no flow angle)",
+        names.join(" or the ")
+    )
 }
 
 /// What is said where nothing tells how a slow surface moved.

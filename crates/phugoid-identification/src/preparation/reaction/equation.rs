@@ -14,7 +14,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::samples::{rate, stretches};
+use super::samples::{largest, moves, rate, stretches};
 use super::whitening::{autoregression, whitened};
 use crate::preparation::resample::at_times;
 use crate::preparation::windows::regression::inverse_by_unit_size;
@@ -53,17 +53,29 @@ pub(super) struct Equation<'a> {
 }
 
 /// By how much the surface was recorded late, and one sigma of it, s. None if the record is too short, or does not determine it.
-pub(super) fn late(equation: &Equation<'_>) -> Option<(f64, f64)> {
+///
+/// A cause that stands still has no factor, and is left out: with it nothing would be determined.
+pub(super) fn late(mut equation: Equation<'_>) -> Option<(f64, f64)> {
     let stretches = stretches(equation.time_s, equation.step_s, equation.surface);
+    let stands_still = |channel: &[f64]| {
+        let size = largest(channel);
+        !stretches.iter().any(|times| moves(&at(&equation, times, channel, 0.0), size))
+    };
+    if stands_still(equation.surface) {
+        return None;
+    }
+    let still: Vec<bool> = equation.causes.iter().map(|cause| stands_still(cause)).collect();
+    let mut still = still.into_iter();
+    equation.causes.retain(|_| !still.next().unwrap_or(false));
     let search = Search {
-        rates: stretches.iter().map(|times| at(equation, times, equation.rate, 0.0)).collect(),
+        rates: stretches.iter().map(|times| at(&equation, times, equation.rate, 0.0)).collect(),
         causes: stretches
             .iter()
-            .map(|times| equation.causes.iter().map(|cause| at(equation, times, cause, 0.0)).collect())
+            .map(|times| equation.causes.iter().map(|cause| at(&equation, times, cause, 0.0)).collect())
             .collect(),
         surface_rate: rate(equation.time_s, equation.surface),
         stretches,
-        equation,
+        equation: &equation,
     };
     search.most_likely()
 }
@@ -302,8 +314,11 @@ fn normal(signals: &[Vec<Signal>], slopes: &[Vec<Signal>], count: usize) -> DMat
     normal
 }
 
-/// The inverse of a normal matrix, by columns of unit size.
+/// The inverse of a normal matrix, by columns of unit size. None if a column is zero: nothing is known of its factor.
 fn inverse(normal: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+    if normal.diagonal().iter().any(|squares| *squares <= 0.0) {
+        return None;
+    }
     let (unit, inverse) = inverse_by_unit_size(normal.nrows(), |a, b| normal[(a, b)])?;
     let inverse = DMatrix::from_fn(normal.nrows(), normal.ncols(), |a, b| unit[a] * inverse[(a, b)] * unit[b]);
     Some(inverse).filter(|inverse| inverse.iter().all(|v| v.is_finite()))
@@ -372,7 +387,7 @@ mod tests {
     }
 
     fn found([time_s, alpha, q, elevator]: &[Vec<f64>; 4]) -> Option<(f64, f64)> {
-        late(&Equation { time_s, step_s: STEP_S, rate: q, causes: vec![alpha.clone()], surface: elevator })
+        late(Equation { time_s, step_s: STEP_S, rate: q, causes: vec![alpha.clone()], surface: elevator })
     }
 
     #[test]

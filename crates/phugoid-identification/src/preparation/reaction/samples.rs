@@ -49,6 +49,22 @@ fn motion(time_s: &[f64], values: &[f64], from_s: f64, to_s: f64) -> f64 {
     values[from..to].windows(2).map(|pair| (pair[1] - pair[0]).powi(2)).sum()
 }
 
+/// A channel that moves by less than this part of its largest value stands still: it is the step of single precision, in which recorders
+/// keep a position (1e-9 rad at half a degree). What is left of a constant is rounding, which no aircraft reacts to.
+const STILL: f64 = f32::EPSILON as f64;
+
+/// Whether values of a channel move, of which `largest` is the largest magnitude.
+pub(super) fn moves(values: &[f64], largest: f64) -> bool {
+    let (least, most) =
+        values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), v| (v.min(least), v.max(most)));
+    most - least > STILL * largest
+}
+
+/// The largest magnitude of values.
+pub(super) fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |most, v| v.abs().max(most))
+}
+
 /// The rate of a signal by sample, from its neighbours; zero where there are none.
 pub(super) fn rate(time_s: &[f64], values: &[f64]) -> Vec<f64> {
     let last = values.len().saturating_sub(1);

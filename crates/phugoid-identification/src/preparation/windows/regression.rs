@@ -65,7 +65,8 @@ fn without_line(time: &[f64], values: &mut [f64]) {
 }
 
 /// Fits the signal by the causes, all by sample. None if there are too few windows without a gap, or if the causes
-/// cannot be told apart.
+/// cannot be told apart. A cause that is zero throughout, as a surface that nobody moved, gets the factor zero, of which
+/// nothing is known; a ratio to it is none.
 pub(crate) fn factors<const C: usize>(
     time: &[f64],
     signal: &[f64],
@@ -128,7 +129,8 @@ pub(crate) fn factors<const C: usize>(
         let difference = one - value;
         sum += difference.component_mul(&difference);
     }
-    let std = (sum * ((n - 1.0) / n)).map(f64::sqrt);
+    let of = |c: usize, _| if normal[(c, c)] > 0.0 { (sum[c] * ((n - 1.0) / n)).sqrt() } else { f64::INFINITY };
+    let std = SVector::<f64, C>::from_fn(of);
     let moved = motion - noise;
     let unexplained = |explained: f64| ((moved - explained) / moved).max(0.0);
     (moved > 0.0).then(|| Factors { value, std, unexplained: unexplained(explained), left, without_one })
@@ -144,14 +146,38 @@ fn solved<const C: usize>(normal: &SMatrix<f64, C, C>, right: &SVector<f64, C>) 
 }
 
 /// Of a normal matrix of so many causes: what makes each of unit size, and the inverse of the matrix of those, so that the units do
-/// not decide what can be told apart. The inverse of the matrix itself is that times what makes row and column of unit size.
+/// not decide what can be told apart. The inverse of the matrix itself is that times what makes row and column of unit size. A cause
+/// that is zero stays zero: it takes nothing from what is known of the others, and its own factor comes out as zero.
 ///
 /// Of dynamic size: the inverse of a fixed size is compiled anew for every number of causes, and is long.
 pub(crate) fn inverse_by_unit_size(
     count: usize,
     normal: impl Fn(usize, usize) -> f64,
 ) -> Option<(DVector<f64>, DMatrix<f64>)> {
-    let unit = DVector::from_fn(count, |c, _| 1.0 / normal(c, c).sqrt());
-    let inverse = DMatrix::from_fn(count, count, |a, b| unit[a] * normal(a, b) * unit[b]).try_inverse()?;
+    let unit = DVector::from_fn(count, |c, _| if normal(c, c) > 0.0 { 1.0 / normal(c, c).sqrt() } else { 0.0 });
+    let of = |a: usize, b: usize| if a == b && unit[a] == 0.0 { 1.0 } else { unit[a] * normal(a, b) * unit[b] };
+    let inverse = DMatrix::from_fn(count, count, of).try_inverse()?;
     Some((unit, inverse))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cause_that_is_zero_takes_nothing_from_the_others() {
+        let time: Vec<f64> = (0..1000).map(|k| 0.02 * f64::from(k)).collect();
+        let of = |signal: &dyn Fn(f64) -> f64| time.iter().map(|t| signal(*t)).collect::<Vec<f64>>();
+        let (a, b) = (of(&|t| (2.0 * t).sin()), of(&|t| (5.1 * t).cos()));
+        let signal = of(&|t| 3.0 * (2.0 * t).sin() - 0.5 * (5.1 * t).cos() + 1e-3 * (977.0 * t).sin());
+        let all = factors(&time, &signal, &[a.clone(), vec![0.0; 1000], b.clone()], 0.02).unwrap();
+        let without = factors(&time, &signal, &[a, b], 0.02).unwrap();
+        for (i, j) in [(0, 0), (2, 1)] {
+            // The same sums in the same order, but for the elimination.
+            assert!((all.value[i] - without.value[j]).abs() < 1e-12, "{} {}", all.value, without.value);
+            assert!((all.std[i] - without.std[j]).abs() < 1e-12, "{} {}", all.std, without.std);
+        }
+        assert!(all.value[1] == 0.0 && all.std[1].is_infinite(), "{} {}", all.value, all.std);
+        assert!(all.ratio(2, 0).is_some() && all.ratio(2, 1).is_none());
+    }
 }
