@@ -106,8 +106,9 @@ pub(crate) struct Unsettled {
 /// is not yet there, s: until a doubt opens evidence has to come together, and a short-period motion takes some seconds.
 const AROUND_S: [f64; 2] = [3.0, 3.0];
 /// Share of a record in which changes may be found: more of them are no changes of the aircraft but a model that does not
-/// fit. One change is never too many: what it has around it is as long in a record of 20 s as in one of an hour, and 30 % of the
-/// shorter one. Of a single change, only the time from the doubt to the adoption counts, as a share of the rest of the record.
+/// fit. One change is not too many if residuals have told before it that the model fits: what it has around it is as long in a record
+/// of 20 s as in one of an hour, and 30 % of the shorter one. Of such a change only the time from the doubt to the adoption counts, as
+/// a share of the rest of the record. What is found while the filter still learns may be a model that never fitted.
 const MOST_FINDING: f64 = 0.3;
 
 /// Time after the first motion in which a filter learns, s: start values may be far from the answer, and the noise levels
@@ -122,7 +123,9 @@ impl Unsettled {
         let around = |[doubted_s, adopted_s]: &[f64; 2]| [doubted_s - AROUND_S[0], adopted_s + AROUND_S[1]];
         let mut stretches_s: Vec<[f64; 2]> = changes.iter().map(around).collect();
         let finding_s = stretches_s.iter().map(|[from_s, to_s]| to_s - from_s).sum::<f64>();
-        let free_s: f64 = if changes.len() == 1 { AROUND_S.iter().sum() } else { 0.0 };
+        let learnt_s = learns_s.map_or(f64::NEG_INFINITY, |t| t + LEARNING_S);
+        let is_one = changes.len() == 1 && stretches_s.iter().all(|[from_s, _]| *from_s > learnt_s);
+        let free_s: f64 = if is_one { AROUND_S.iter().sum() } else { 0.0 };
         if finding_s - free_s > MOST_FINDING * (length_s - free_s) {
             stretches_s.clear();
         }
@@ -316,15 +319,17 @@ mod tests {
         let time = time(1000);
         let mut values = vec![0.5; 1000];
         values[500..560].fill(9.0);
-        let found = |changes: &[[f64; 2]]| {
-            let changes = Unsettled::new(changes, 20.0, None);
+        let found = |changes: &[[f64; 2]], learns_s| {
+            let changes = Unsettled::new(changes, 20.0, Some(learns_s));
             reasons(&time, &[signal(values.clone())], None, &changes, &[]).len()
         };
-        assert_eq!(found(&[]), 1);
-        assert_eq!(found(&[[10.6, 10.7]]), 0);
+        assert_eq!(found(&[], 2.0), 1);
+        assert_eq!(found(&[[10.6, 10.7]], 2.0), 0);
+        // The filter still learnt three seconds before the doubt, and nothing tells that the model fitted until then.
+        assert_eq!(found(&[[10.6, 10.7]], 3.0), 1);
         // A second change, or a doubt that lasts for more than 30 % of the rest, is a model that does not fit.
-        assert_eq!(found(&[[4.6, 4.7], [10.6, 10.7]]), 1);
-        assert_eq!(found(&[[6.0, 10.7]]), 1);
+        assert_eq!(found(&[[10.6, 10.7], [17.6, 17.7]], 2.0), 1);
+        assert_eq!(found(&[[10.1, 14.5]], 2.0), 1);
     }
 
     #[test]
