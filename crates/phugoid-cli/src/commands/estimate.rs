@@ -77,8 +77,10 @@ pub(crate) fn run(arguments: &arguments::Estimate) -> Result<ExitCode, Failure> 
     let start_s = record.time.first().copied();
     let corrections = arguments.correct.as_deref().map(super::compatibility::corrections).transpose()?;
     let is_part = !arguments.segment.is_empty() || arguments.from.is_some() || arguments.to.is_some();
-    // The whole record tells more of its surfaces than a part of it. What another record holds is another matter.
-    let settled = if is_part && further.is_empty() && predict.is_none() { for_parts(&record, &model) } else { None };
+    // The whole record tells more of its surfaces than a part of it. What another record holds is another matter, and corrections may
+    // move a surface themselves: it would be moved twice.
+    let asks_whole = is_part && further.is_empty() && predict.is_none() && corrections.is_none();
+    let settled = if asks_whole { for_parts(&record, &model) } else { None };
     let (settled, model) = settled.map_or((None, model), |(record, model)| (Some(record), model));
     let (record, segments) = if arguments.segment.is_empty() {
         let record = settled.unwrap_or(record);

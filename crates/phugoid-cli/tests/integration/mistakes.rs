@@ -3,6 +3,7 @@
 use crate::common;
 
 use std::io::Read;
+use std::path::Path;
 use std::process::{Command, Stdio};
 
 use common::{Folder, phugoid};
@@ -322,6 +323,34 @@ fn a_history_without_a_folder_names_its_option() {
     let run = phugoid(&folder.0, &estimate);
     let message = run.fails(4);
     assert!(message.contains("no folder `absent`: make it") && message.contains("with --history"), "{message}");
+}
+
+/// A part of a record asks the whole by how much its surfaces are late, and corrections may say it too: an elevator 80 ms late that was
+/// moved by both gave half of the pitch damping.
+#[test]
+fn a_surface_is_not_moved_by_the_corrections_and_once_more_by_the_whole_record() {
+    let folder = Folder::new("moved-once");
+    let field = Path::new(env!("CARGO_MANIFEST_DIR")).join("../phugoid-evaluation/tests/field/develop/OV10");
+    let model = std::fs::read_to_string(field.join("longitudinal.toml")).unwrap();
+    folder.file("model.toml", &model.replace("input = \"interpolated\"\n", ""));
+    let flight = std::fs::read_to_string(field.join("calm-short.csv")).unwrap();
+    let rows: Vec<Vec<&str>> = flight.lines().map(|line| line.split(',').collect()).collect();
+    let elevator = rows[0].iter().position(|name| *name == "elevator_deg").unwrap();
+    let late = rows.iter().enumerate().map(|(k, row)| {
+        let mut row = row.clone();
+        // Four samples of 20 ms.
+        row[elevator] = if k == 0 { row[elevator] } else { rows[k.saturating_sub(4).max(1)][elevator] };
+        row.join(",") + "\n"
+    });
+    folder.file("late.csv", &late.collect::<String>());
+    folder.file("c.json", r#"{ "channels": { "elevator": { "delay_s": 0.08 } } }"#);
+    let estimate = ["estimate", "late.csv", "--model", "model.toml", "--no-report", "--json", "--correct", "c.json"];
+    let damping = |further: &[&str]| {
+        let result = phugoid(&folder.0, &[&estimate, further].concat()).json();
+        let parameters = result["parameters"].as_array().unwrap();
+        parameters.iter().find(|p| p["name"] == "Cm_q").unwrap()["value"].as_f64().unwrap()
+    };
+    assert_eq!(damping(&["--from", "0s"]), damping(&[]));
 }
 
 #[test]
