@@ -1,8 +1,6 @@
 //! `phugoid fleet analyses`.
 
 use phugoid_fleet::analysis::documents;
-use phugoid_fleet::statistics::tell::tell;
-use phugoid_fleet::store::Store;
 use phugoid_flight_data::output_file;
 
 use crate::arguments::fleet::Analyses;
@@ -11,9 +9,7 @@ use crate::output::{json, print};
 
 /// Writes a document for each log.
 pub(super) fn run(arguments: &Analyses) -> Result<(), Failure> {
-    let store = Store::open(&arguments.store)?;
-    let (rows, logs) = (store.rows()?, store.logs()?);
-    let findings = tell(&rows, &logs, &arguments.asking.question()).map_err(Failure::input)?;
+    let (rows, logs, findings) = super::fleet_tell::told(&arguments.store, &arguments.asking)?;
     let documents = documents(&rows, &logs, &findings);
     std::fs::create_dir_all(&arguments.dir).map_err(|e| Failure::writing_of("--dir", &arguments.dir, e))?;
     for document in &documents {

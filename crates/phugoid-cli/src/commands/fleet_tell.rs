@@ -2,6 +2,8 @@
 
 use std::fmt::Write as _;
 
+use phugoid_fleet::logs::LogRow;
+use phugoid_fleet::row::Row;
 use phugoid_fleet::statistics::tell::{Airframe, Course, Findings, Shape, tell};
 use phugoid_fleet::store::Store;
 
@@ -19,8 +21,15 @@ pub(super) fn run(arguments: &Tell) -> Result<(), Failure> {
 
 /// What the store in a folder tells.
 pub(super) fn findings(folder: &std::path::Path, asking: &Asking) -> Result<Findings, Failure> {
+    told(folder, asking).map(|(_, _, findings)| findings)
+}
+
+/// The rows and the logs of the store in a folder, and what they tell.
+pub(super) fn told(folder: &std::path::Path, asking: &Asking) -> Result<(Vec<Row>, Vec<LogRow>, Findings), Failure> {
     let store = Store::open(folder)?;
-    tell(&store.rows()?, &store.logs()?, &asking.question()).map_err(Failure::input)
+    let (rows, logs) = (store.rows()?, store.logs()?);
+    let findings = tell(&rows, &logs, &asking.question()).map_err(Failure::input)?;
+    Ok((rows, logs, findings))
 }
 
 fn text(findings: &Findings) -> String {

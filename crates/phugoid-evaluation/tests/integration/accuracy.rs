@@ -9,7 +9,7 @@ use phugoid_evaluation::published::{
     THESIS_SINE,
 };
 use phugoid_identification::estimate::{EstimateOptions, Method, estimate};
-use phugoid_identification::estimation::ParameterResult;
+use phugoid_identification::estimation::{Estimation, ParameterResult};
 use phugoid_identification::model_file::ModelFile;
 use phugoid_simulation::flight::{fly, sense};
 use phugoid_simulation::scenario::Scenario;
@@ -106,17 +106,22 @@ fn the_value_before_a_change_is_from_before_it() {
     }
 }
 
+/// What is estimated by default of the damaged F-16 with this seed.
+fn of_damaged(seed: u64) -> Estimation {
+    let model = ModelFile::parse("f16-damage-model", DAMAGE_MODEL).unwrap();
+    let mut scenario = Scenario::parse(DAMAGE_SCENARIO, "f16-damage").unwrap();
+    scenario.seed = seed;
+    let flight = fly(&scenario).unwrap();
+    let measured = sense(&flight.truth, &scenario, seed).unwrap();
+    estimate(&measured, &model, &EstimateOptions::default(), &mut |_| {}).unwrap()
+}
+
 /// A second or two of motion are left to judge these flights by after the change, and free values of the terms explain 69, 79 and 62 % of the
 /// noise of an acceleration there, where the estimates, which are right, explain 37, 41 and less than none.
 #[test]
 fn right_values_after_a_change_are_not_doubted_for_a_second_of_noise() {
-    let model = ModelFile::parse("f16-damage-model", DAMAGE_MODEL).unwrap();
     for seed in [25, 33, 61] {
-        let mut scenario = Scenario::parse(DAMAGE_SCENARIO, "f16-damage").unwrap();
-        scenario.seed = seed;
-        let flight = fly(&scenario).unwrap();
-        let measured = sense(&flight.truth, &scenario, seed).unwrap();
-        let estimation = estimate(&measured, &model, &EstimateOptions::default(), &mut |_| {}).unwrap();
+        let estimation = of_damaged(seed);
         assert_eq!(estimation.reasons, [], "{seed}");
     }
 }
@@ -125,13 +130,8 @@ fn right_values_after_a_change_are_not_doubted_for_a_second_of_noise() {
 /// change has around it is more than 30 % of these flights, which were refused for 5 to 11 % of the samples of q, with right values.
 #[test]
 fn right_values_after_a_change_are_not_refused_because_the_record_is_short() {
-    let model = ModelFile::parse("f16-damage-model", DAMAGE_MODEL).unwrap();
     for seed in [58, 85, 87, 127, 226] {
-        let mut scenario = Scenario::parse(DAMAGE_SCENARIO, "f16-damage").unwrap();
-        scenario.seed = seed;
-        let flight = fly(&scenario).unwrap();
-        let measured = sense(&flight.truth, &scenario, seed).unwrap();
-        let estimation = estimate(&measured, &model, &EstimateOptions::default(), &mut |_| {}).unwrap();
+        let estimation = of_damaged(seed);
         assert_eq!(estimation.reasons, [], "{seed}");
         for (name, truth) in
             [("dCm_alpha", -0.2), ("dCm_q", -2.0), ("dCL_alpha", 0.4), ("dCD_alpha", 0.1), ("dCm_elevator", 0.15)]
