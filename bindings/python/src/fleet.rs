@@ -7,12 +7,13 @@ use phugoid_fleet::analysis::documents;
 use phugoid_fleet::campaign;
 use phugoid_fleet::campaign::file::Campaign;
 use phugoid_fleet::campaign::layout::{Block, Layout};
-use phugoid_fleet::logs::FlightTable;
+use phugoid_fleet::logs::{FlightTable, LogRow};
 use phugoid_fleet::page;
+use phugoid_fleet::row::Row;
 use phugoid_fleet::run::{self, Hashed, Outcome, Share, Summary};
 use phugoid_fleet::shard::Shard;
 use phugoid_fleet::source;
-use phugoid_fleet::statistics::tell::{Over, Question, tell};
+use phugoid_fleet::statistics::tell::{Findings, Over, Question, tell};
 use phugoid_fleet::store::Store;
 use phugoid_fleet::unit::{Segments, Task};
 use phugoid_identification::model_file::ModelFile;
@@ -220,10 +221,7 @@ pub(crate) fn fleet_model(wanted: &str) -> PyResult<(String, String)> {
     ModelFile::find_text(wanted).map_err(raise)
 }
 
-/// Findings, documents, page.
-type Told = (String, String, String);
-
-/// What a store tells and a document for each of its logs, as JSON, and what it tells as a page.
+/// What a store tells, as JSON, and as a page.
 #[pyfunction]
 #[pyo3(signature = (store, false_discoveries=0.05, only=Vec::new(), over="flights"))]
 pub(crate) fn fleet_tell(
@@ -232,20 +230,44 @@ pub(crate) fn fleet_tell(
     false_discoveries: f64,
     only: Vec<String>,
     over: &str,
-) -> PyResult<Told> {
+) -> PyResult<(String, String)> {
+    let question = question(false_discoveries, only, over)?;
+    py.detach(|| {
+        let (_, _, findings) = told(&store, &question)?;
+        Ok((serde_json::to_string(&findings).map_err(raise)?, page::html(&findings, &page::Reports::new())))
+    })
+}
+
+/// A document for each log of a store, as JSON.
+#[pyfunction]
+#[pyo3(signature = (store, false_discoveries=0.05, only=Vec::new(), over="flights"))]
+pub(crate) fn fleet_analyses(
+    py: Python<'_>,
+    store: PathBuf,
+    false_discoveries: f64,
+    only: Vec<String>,
+    over: &str,
+) -> PyResult<String> {
+    let question = question(false_discoveries, only, over)?;
+    py.detach(|| {
+        let (rows, logs, findings) = told(&store, &question)?;
+        serde_json::to_string(&documents(&rows, &logs, &findings)).map_err(raise)
+    })
+}
+
+fn question(false_discoveries: f64, only: Vec<String>, over: &str) -> PyResult<Question> {
     let over = match over {
         "flights" => Over::Flights,
         "hours" => Over::Hours,
         other => return Err(raise(format!("a course runs over \"flights\" or \"hours\", not \"{other}\""))),
     };
-    let store = Store::open(Path::new(&store)).map_err(raise)?;
-    let question = Question { false_discoveries, only, over };
-    py.detach(|| {
-        let (rows, logs) = (store.rows().map_err(raise)?, store.logs().map_err(raise)?);
-        let findings = tell(&rows, &logs, &question).map_err(raise)?;
-        let documents = documents(&rows, &logs, &findings);
-        let json = |value: serde_json::Result<String>| value.map_err(raise);
-        let page = page::html(&findings, &page::Reports::new());
-        Ok((json(serde_json::to_string(&findings))?, json(serde_json::to_string(&documents))?, page))
-    })
+    Ok(Question { false_discoveries, only, over })
+}
+
+/// The rows and logs of a store, and what they tell.
+fn told(folder: &Path, question: &Question) -> PyResult<(Vec<Row>, Vec<LogRow>, Findings)> {
+    let store = Store::open(folder).map_err(raise)?;
+    let (rows, logs) = (store.rows().map_err(raise)?, store.logs().map_err(raise)?);
+    let findings = tell(&rows, &logs, question).map_err(raise)?;
+    Ok((rows, logs, findings))
 }

@@ -42,6 +42,7 @@ fn _phugoid(module: &Bound<'_, PyModule>) -> PyResult<()> {
     {
         module.add_class::<fleet::CampaignTask>()?;
         module.add_class::<fleet::FleetTask>()?;
+        module.add_function(wrap_pyfunction!(fleet::fleet_analyses, module)?)?;
         module.add_function(wrap_pyfunction!(fleet::fleet_files, module)?)?;
         module.add_function(wrap_pyfunction!(fleet::fleet_hash, module)?)?;
         module.add_function(wrap_pyfunction!(fleet::fleet_model, module)?)?;

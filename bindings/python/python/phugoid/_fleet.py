@@ -176,7 +176,7 @@ def fleet_tell(
     """What the fleet in a store tells: the document of ``phugoid fleet tell --json``. ``store`` is a folder or an address.
     ``html`` also writes the page."""
     with on_this_machine(os.fspath(store)) as here:
-        text, _, page = _phugoid.fleet_tell(here, false_discoveries, list(only), over)
+        text, page = _phugoid.fleet_tell(here, false_discoveries, list(only), over)
     if html is not None:
         with open(html, "w", encoding="utf-8") as file:
             file.write(page)
@@ -194,7 +194,7 @@ def fleet_analyses(
     """What is known of each log, in the form of the analyzers of Flight Review: the documents of ``phugoid fleet analyses``.
     ``store`` is a folder or an address."""
     with on_this_machine(os.fspath(store)) as here:
-        _, text, _ = _phugoid.fleet_tell(here, false_discoveries, list(only), over)
+        text = _phugoid.fleet_analyses(here, false_discoveries, list(only), over)
     documents: list[dict[str, Any]] = json.loads(text)
     return documents
 
