@@ -51,4 +51,4 @@ pub use estimate::{
     ChangeState, DetectorReport, DetectorState, Estimate, Estimator, Inspect, ParameterStatus, Phase, Status,
 };
 pub use innovation::{Innovations, RowPhase};
-pub use model::{ConstantEffects, Input, LinearizedOutputs, LinearizedRates, Model, Sample};
+pub use model::{ConstantEffects, Input, LinearizedOutputs, LinearizedRates, Model, RegressorShift, Sample};

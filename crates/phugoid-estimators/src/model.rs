@@ -109,6 +109,24 @@ pub trait Model<const N: usize, const R: usize, const P: usize> {
     fn regressor_powers<const K: usize>(&self, _x: &[f64; N], _column: usize) -> [f64; K] {
         [0.0; K]
     }
+
+    /// What the constants add to the regressor of a column of those of other columns: the square of an angle whose sensor
+    /// shows `c` more than the true angle has, to first order, `2 c` times the regressor of the angle itself more. Empty
+    /// where there are no such columns.
+    fn regressor_shifts(&self, _column: usize) -> &[RegressorShift] {
+        &[]
+    }
+}
+
+/// A part of the regressor of one column in that of another one, as the estimator believes it to be, by the error of a constant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RegressorShift {
+    /// The constant, by its place in [`Model::constant_effects`].
+    pub constant: usize,
+    /// The column whose regressor is added.
+    pub of: usize,
+    /// How often, per unit of the constant.
+    pub per_unit: f64,
 }
 
 /// What was measured at one instant.

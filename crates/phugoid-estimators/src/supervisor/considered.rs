@@ -8,7 +8,7 @@
 //! x_true - x = W c + ...,   theta_true - theta = T c + ...                              N x K and P x K
 //! predict:   W <- A W + B T + (A + I) g h/2                 g = d(rates)/dc half way
 //! row:       zeta = H W + D T + d(output)/dc,   W <- W - K_x zeta,   T <- T - K_theta zeta
-//! frame:     T_jk <- T_jk + s_jk (step of parameter j)
+//! frame:     T_jk <- T_jk + s_jk (step of parameter j),   T_ik <- T_ik + f_ijk (step of parameter j)
 //! ```
 //!
 //! for each row that moves the estimate in proportion to its residual; one outside of the boundary layer moves it by a
@@ -19,7 +19,8 @@
 //! part `s c` ([`Model::regressor_powers`]), the gain is smaller by as much, and so is every step that it makes. Without
 //! it a direction that the flight hardly shows, such as a constant beside a term of the airspeed, would take up `H W` at
 //! the estimates of the moment, which wander along it, for an effect of the constants. With it an estimate that is
-//! proportional to `1/(1 + s c)` has `T = s theta` at any time, however it came there.
+//! proportional to `1/(1 + s c)` has `T = s theta` at any time, however it came there. The same where a constant adds a part
+//! `f c` of the regressor of another parameter ([`Model::regressor_shifts`]), as a zero of the vane does to the square of an angle.
 //!
 //! `T diag(P) T^T` is the part of the errors of the constants in the covariance of the estimate (S. F. Schmidt's
 //! *consider* covariance, under the gain that ignores them; docs/uncertainty.md).
@@ -280,6 +281,15 @@ where
         for (column, ((after, before), error)) in parameters.enumerate().take(model.parameter_count()) {
             let powers: [f64; K] = model.regressor_powers(x, column);
             add_scaled(error, after - before, &powers);
+        }
+        for column in 0..model.parameter_count().min(P) {
+            for shift in model.regressor_shifts(column) {
+                let step = theta.get(column).zip(before.get(column)).map_or(0.0, |(after, before)| after - before);
+                let row = errors.parameters.get_mut(shift.of).and_then(|row| row.get_mut(shift.constant));
+                if let Some(error) = row {
+                    *error += shift.per_unit * step;
+                }
+            }
         }
         innovations
     }

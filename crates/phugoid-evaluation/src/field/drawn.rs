@@ -30,11 +30,13 @@ const fn site(quantity: UncertainQuantity, of: &'static str) -> Site {
 }
 
 /// All sites.
-pub const SITES: [Site; 19] = [
+pub const SITES: [Site; 21] = [
     site(UncertainQuantity::AirspeedScale, "true_airspeed"),
     site(UncertainQuantity::AirspeedPerAlpha, "true_airspeed"),
     site(UncertainQuantity::FlowAngleScale, "alpha"),
     site(UncertainQuantity::FlowAngleScale, "beta"),
+    site(UncertainQuantity::FlowAngleZero, "alpha"),
+    site(UncertainQuantity::FlowAngleZero, "beta"),
     site(UncertainQuantity::FlowAngleLag, "alpha"),
     site(UncertainQuantity::FlowAngleLag, "beta"),
     site(UncertainQuantity::SurfaceScale, "elevator"),
@@ -54,7 +56,7 @@ pub const SITES: [Site; 19] = [
 
 impl Site {
     /// Puts an error of size `c` (in the unit of the quantity) into a flight, its model file and what is true about the
-    /// centre of gravity that the model file means: a sensor shows `(1 + c)` times what is true or what was true `c`
+    /// centre of gravity that the model file means: a sensor shows `(1 + c)` times what is true, `c` radians more, or what was true `c`
     /// seconds before, and the aircraft has `(1 + c)` times what the model file says, or its centre of gravity `c` chords
     /// behind.
     fn apply(self, c: f64, record: &mut Record, model: &mut ModelFile, truth: &mut BTreeMap<String, TrueParameter>) {
@@ -71,6 +73,7 @@ impl Site {
                     v * (1.0 + c * here)
                 });
             }
+            UncertainQuantity::FlowAngleZero => each(record, self.of, |v| v + c),
             UncertainQuantity::FlowAngleLag => delay(record, self.of, c),
             UncertainQuantity::SurfaceSkew => {
                 ["elevator", "aileron", "rudder"].into_iter().for_each(|name| delay(record, name, c));

@@ -38,7 +38,7 @@ fn decide(record: &Record, file: &ModelFile, lateral: bool) -> Option<(Found, bo
         (prepared.hold, prepared.moved_s, prepared.notes)
     };
     let note = notes.into_iter().find(|note| note.starts_with("`input`"))?;
-    Some(((hold, moved), !note.contains("in the bounds"), note))
+    Some(((hold, moved), !note.contains("a part of the timing of surfaces"), note))
 }
 
 /// The record with its surfaces stamped so much later, s.
@@ -235,7 +235,7 @@ fn what_a_short_record_does_not_tell_of_its_surfaces_is_in_the_bounds() {
     assert_eq!(settled.input, InputHold::Interpolated);
     let notes = prepare::<LongitudinalModel, _, _>(&short, &settled).unwrap().notes;
     assert!(notes.iter().any(|note| note.starts_with("by the whole record, `input`")), "{notes:?}");
-    assert!(!notes.iter().any(|note| note.contains("in the bounds")), "{notes:?}");
+    assert!(!notes.iter().any(|note| note.contains("a part of the timing of surfaces")), "{notes:?}");
     let late = stamped_late(&whole, 0.06);
     let (moved, _) = for_parts(&late, &file).expect("the whole flight tells that it is late");
     let of = |record: &Record| record.channel("elevator").unwrap().values.clone();

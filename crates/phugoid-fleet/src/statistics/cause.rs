@@ -97,6 +97,9 @@ const MOST_PARAMETERS: usize = 100;
 /// large a part more as they are of the parameters.
 const EFFECTS_ARE_VAGUE: f64 = 0.1;
 
+/// The declared quantities that belong to a vane.
+const OF_THE_VANE: [UncertainQuantity; 2] = [UncertainQuantity::FlowAngleScale, UncertainQuantity::FlowAngleZero];
+
 /// What explains the drift or the step that has been found in an airframe's courses, and its distance from the others, of `airframes` in
 /// all; each where it has been found and three parameters can be asked. Takes the verdicts on the courses as they are.
 pub(super) fn together(airframe: &Airframe, airframes: usize) -> Vec<Together> {
@@ -122,12 +125,12 @@ fn of_distance(airframe: &Airframe, airframes: usize) -> Option<Together> {
     }
     let asked = asked_for_distance(airframe, airframes);
     let but_for_the_cause = |cause: &Cause| {
-        let its_own = match cause {
-            Cause::Parameter(_) => None,
-            Cause::Quantity(own) => Some(*own),
-            Cause::Vane => Some(UncertainQuantity::FlowAngleScale),
+        let is_its_own = |quantity: UncertainQuantity| match cause {
+            Cause::Parameter(_) => false,
+            Cause::Quantity(own) => quantity == *own,
+            Cause::Vane => OF_THE_VANE.contains(&quantity),
         };
-        of_declared(&asked, airframes, |quantity| Some(quantity) != its_own)
+        of_declared(&asked, airframes, |quantity| !is_its_own(quantity))
     };
     explain(&asked, What::Apart, None, but_for_the_cause)
 }
@@ -276,11 +279,12 @@ fn causes(asked: &[Asked]) -> Vec<(Cause, DMatrix<f64>)> {
     let zero = DVector::from_iterator(count, asked.iter().map(|one| of_zero(asked, &one.course.parameter)));
     for (place, quantity) in UncertainQuantity::ALL.into_iter().enumerate() {
         let effects = effects(asked, place);
-        if effects.iter().all(|effect| *effect == 0.0) {
+        let has_zero = zero.iter().any(|effect| *effect != 0.0);
+        if effects.iter().all(|effect| *effect == 0.0) || quantity == UncertainQuantity::FlowAngleZero && has_zero {
             continue;
         }
         // Two vanes never have the same zero.
-        if quantity == UncertainQuantity::FlowAngleScale && zero.iter().any(|effect| *effect != 0.0) {
+        if quantity == UncertainQuantity::FlowAngleScale && has_zero {
             causes.push((Cause::Vane, DMatrix::from_columns(&[effects, zero.clone()])));
         } else {
             causes.push((Cause::Quantity(quantity), DMatrix::from_columns(&[effects])));

@@ -23,6 +23,7 @@ pub const fn owner(quantity: UncertainQuantity) -> Owner {
         UncertainQuantity::AirspeedScale
         | UncertainQuantity::AirspeedPerAlpha
         | UncertainQuantity::FlowAngleScale
+        | UncertainQuantity::FlowAngleZero
         | UncertainQuantity::FlowAngleLag
         | UncertainQuantity::SurfaceScale
         | UncertainQuantity::SurfaceSkew

@@ -14,7 +14,7 @@
 //! with the weights of the minimum claimed twenty times the value of a parameter on four of twenty foreign flights. Nothing of it changes the estimate. The causal filters have the same by a recursion
 //! (`phugoid_estimators::supervisor::considered`).
 
-use phugoid_estimators::{ConstantEffects, LinearizedOutputs, LinearizedRates};
+use phugoid_estimators::{ConstantEffects, LinearizedOutputs, LinearizedRates, RegressorShift};
 
 use super::equation_error::{EquationErrorSettings, rows_at};
 use super::flown::{Flown, Instant};
@@ -111,6 +111,10 @@ impl<const N: usize, const R: usize> Flown<N, R> for Displaced<'_, N, R> {
     ) {
         self.plant.constant_effects(x, theta, at, out);
     }
+
+    fn regressor_shifts(&self, parameter: usize) -> &[RegressorShift] {
+        self.plant.regressor_shifts(parameter)
+    }
 }
 
 /// The plants of some manoeuvres with one constant off.
@@ -129,6 +133,17 @@ fn displaced<'a, const N: usize, const R: usize>(
     plants: &'a [Displaced<'a, N, R>],
 ) -> Vec<Manoeuvre<'a, N, R>> {
     manoeuvres.iter().zip(plants).map(|(m, plant)| Manoeuvre { plant, ..*m }).collect()
+}
+
+/// What the constants add to the regressors of parameters of those of others, and the value of each parameter whose it is.
+fn all_shifts<const N: usize, const R: usize>(
+    plant: &dyn Flown<N, R>,
+    theta: &[f64; CAPACITY],
+) -> impl Iterator<Item = (RegressorShift, f64)> {
+    let of_one = |(column, value): (usize, &f64)| {
+        plant.regressor_shifts(column).iter().map(|shift| (*shift, *value)).collect::<Vec<_>>()
+    };
+    theta.iter().enumerate().take(plant.parameter_count()).flat_map(of_one).collect::<Vec<_>>().into_iter()
 }
 
 /// Where a search ended.
@@ -185,6 +200,15 @@ pub(crate) fn output_error_constants<const N: usize, const R: usize>(
         let plants = plants_of(manoeuvres, constant, size, false);
         let manoeuvres = displaced(manoeuvres, &plants);
         let mut moved = unknowns.clone();
+        // Begun where the terms say that it lies: a zero of the vane of many times its noise would lead the steps elsewhere.
+        let theta = layout.parameters(&unknowns);
+        for shift in all_shifts(manoeuvres[0].plant, &theta).filter(|(shift, _)| shift.constant == constant) {
+            let (RegressorShift { of, per_unit, .. }, value) = shift;
+            let target = layout.places.iter().position(|p| p.kind == UnknownKind::Parameter { index: of });
+            if let Some(unknown) = target.filter(|place| !frozen[*place]).and_then(|place| moved.get_mut(place)) {
+                *unknown += size * per_unit * value;
+            }
+        }
         let (mut first, mut before) = (f64::INFINITY, f64::INFINITY);
         for _ in 0..MOST_STEPS {
             let rows = manoeuvres

@@ -1,7 +1,7 @@
 //! A plant with the inputs of its flight, whatever its type: what keeps the batch methods from being compiled once for every
 //! model.
 
-use phugoid_estimators::{ConstantEffects, Input, LinearizedOutputs, LinearizedRates, Model};
+use phugoid_estimators::{ConstantEffects, Input, LinearizedOutputs, LinearizedRates, Model, RegressorShift};
 
 use crate::core::options::CAPACITY;
 use crate::core::systematic::ROOM_FOR_CONSTANTS;
@@ -83,6 +83,9 @@ pub trait Flown<const N: usize, const R: usize> {
         at: Instant,
         out: &mut ConstantEffects<N, R, ROOM_FOR_CONSTANTS>,
     );
+
+    /// What the considered constants add to the regressor of a parameter of those of others ([`Model::regressor_shifts`]).
+    fn regressor_shifts(&self, parameter: usize) -> &[RegressorShift];
 }
 
 /// A model and the known input at each sample of a flight.
@@ -139,6 +142,10 @@ where
         out: &mut ConstantEffects<N, R, ROOM_FOR_CONSTANTS>,
     ) {
         self.model.constant_effects(x, theta, &at.input(self.inputs), out);
+    }
+
+    fn regressor_shifts(&self, parameter: usize) -> &[RegressorShift] {
+        self.model.regressor_shifts(parameter)
     }
 }
 

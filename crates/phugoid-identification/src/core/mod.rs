@@ -13,6 +13,7 @@ pub mod output;
 #[cfg(test)]
 pub(crate) mod random;
 pub(crate) mod scaling;
+pub(crate) mod shifts;
 pub(crate) mod soundness;
 pub mod stack;
 pub(crate) mod systematic;

@@ -5,7 +5,7 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 
 /// Room for the constants whose errors a method follows: those of the motion that has most.
-pub(crate) const ROOM_FOR_CONSTANTS: usize = 12;
+pub(crate) const ROOM_FOR_CONSTANTS: usize = 14;
 
 /// A quantity with a declared uncertainty. Written as its key under `[uncertainty]`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
@@ -17,6 +17,8 @@ pub enum UncertainQuantity {
     AirspeedPerAlpha,
     /// Scale of the angles of attack and sideslip: the vane and the flow about the fuselage (upwash).
     FlowAngleScale,
+    /// Zero of the angles of attack and sideslip, rad: a vane that is not aligned with the body axes.
+    FlowAngleZero,
     /// Lag of the angles of attack and sideslip, s.
     FlowAngleLag,
     /// Scale of the positions of the control surfaces.
@@ -37,10 +39,11 @@ pub enum UncertainQuantity {
 
 impl UncertainQuantity {
     /// All of them, in the order of the keys of `[uncertainty]`.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::AirspeedScale,
         Self::AirspeedPerAlpha,
         Self::FlowAngleScale,
+        Self::FlowAngleZero,
         Self::FlowAngleLag,
         Self::SurfaceScale,
         Self::SurfaceSkew,
@@ -57,6 +60,7 @@ impl UncertainQuantity {
             Self::AirspeedScale => "airspeed_scale",
             Self::AirspeedPerAlpha => "airspeed_per_alpha",
             Self::FlowAngleScale => "flow_angle_scale",
+            Self::FlowAngleZero => "flow_angle_zero",
             Self::FlowAngleLag => "flow_angle_lag",
             Self::SurfaceScale => "surface_scale",
             Self::SurfaceSkew => "surface_skew",
@@ -74,6 +78,7 @@ impl UncertainQuantity {
             Self::AirspeedScale => "airspeed",
             Self::AirspeedPerAlpha => "airspeed with alpha",
             Self::FlowAngleScale => "flow angles",
+            Self::FlowAngleZero => "zero of flow angles",
             Self::FlowAngleLag => "lag of flow angles",
             Self::SurfaceScale => "surface positions",
             Self::SurfaceSkew => "timing of surfaces",
@@ -90,6 +95,7 @@ impl UncertainQuantity {
         match self {
             Self::FlowAngleLag | Self::SurfaceSkew => UncertaintyUnit::Time,
             Self::AirspeedPerAlpha => UncertaintyUnit::PerAngle,
+            Self::FlowAngleZero => UncertaintyUnit::Angle,
             Self::CentreOfGravity => UncertaintyUnit::Chord,
             _ => UncertaintyUnit::Part,
         }
@@ -101,6 +107,7 @@ impl UncertainQuantity {
             Self::AirspeedScale => "a calibration of the airspeed",
             Self::AirspeedPerAlpha => "a calibration of the airspeed over the angles of attack",
             Self::FlowAngleScale => "a calibration of the vanes in flight",
+            Self::FlowAngleZero => "an alignment of the vanes with the body axes",
             Self::FlowAngleLag => "a measurement of the lag of the vanes",
             Self::SurfaceScale => "a calibration of the surface positions",
             Self::SurfaceSkew => "one clock for surfaces and motion",
@@ -120,6 +127,8 @@ pub enum UncertaintyUnit {
     Part,
     /// Part of the quantity itself per radian of the angle of attack.
     PerAngle,
+    /// Radians, shown in degrees.
+    Angle,
     /// Seconds.
     Time,
     /// Mean aerodynamic chords.
@@ -127,11 +136,12 @@ pub enum UncertaintyUnit {
 }
 
 impl UncertaintyUnit {
-    /// A value in words: `2.0 %`, `30 ms`, `0.15 %/deg`, `0.2 % of the chord`.
+    /// A value in words: `2.0 %`, `30 ms`, `0.15 %/deg`, `0.5 deg`, `0.2 % of the chord`.
     pub fn in_words(self, value: f64) -> String {
         match self {
             Self::Part => format!("{:.1} %", 100.0 * value),
             Self::PerAngle => format!("{:.2} %/deg", 100.0 * value.to_radians()),
+            Self::Angle => format!("{:.2} deg", value.to_degrees()),
             Self::Time => format!("{:.0} ms", 1000.0 * value),
             Self::Chord => format!("{:.1} % of the chord", 100.0 * value),
         }

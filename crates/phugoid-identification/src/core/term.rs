@@ -410,6 +410,22 @@ impl Term {
         }
     }
 
+    /// The term with one power less of a flight variable (by its position, [`Variable::index`]), and what that power was: what
+    /// the derivative by the variable is made of. None where the variable is not there, or is bent.
+    pub(crate) fn lowered(&self, variable: usize) -> Option<(Self, i32)> {
+        if self.bent.iter().any(|bent| bent.variable == variable) {
+            return None;
+        }
+        let mut lowered = self.clone();
+        let place = lowered.factors.iter().position(|(index, _)| *index == variable)?;
+        let (_, power) = *lowered.factors.get(place)?;
+        match power {
+            1 => drop(lowered.factors.remove(place)),
+            _ => lowered.factors[place].1 -= 1,
+        }
+        Some((lowered, power))
+    }
+
     /// What multiplies a flight variable in this term; none if it is not there to the first power.
     pub fn without(&self, variable: Variable) -> Option<Self> {
         let place = self.factors.iter().position(|factor| *factor == (variable.index(), 1))?;

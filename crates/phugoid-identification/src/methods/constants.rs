@@ -7,7 +7,7 @@ use crate::batch::{
 use crate::core::method::Method;
 use crate::core::options::CAPACITY;
 use crate::core::systematic::{ByQuantity, ROOM_FOR_CONSTANTS, SystematicPart};
-use crate::motion::MotionModel;
+use crate::motion::{MotionModel, declared};
 
 /// The systematic errors of the parameters of a structure, one entry per parameter.
 #[derive(Clone, Debug)]
@@ -31,12 +31,11 @@ pub(super) fn systematic<M: MotionModel<N, R, CAPACITY>, const N: usize, const R
     regression: &EquationErrorSettings,
     fit: &BatchFit,
 ) -> Option<Systematic> {
-    let (file, method) = (task.file, task.method());
     let mut sigmas: ByConstant = [0.0; ROOM_FOR_CONSTANTS];
-    for (sigma, quantity) in sigmas.iter_mut().zip(M::CONSTANTS) {
-        *sigma = file.uncertainty.of_quantity(*quantity);
+    for (sigma, declared) in sigmas.iter_mut().zip(declared::<M, N, R>(task.file)) {
+        *sigma = declared;
     }
-    let by_parameter = match method {
+    let by_parameter = match task.method() {
         Method::OutputError => output_error_constants(manoeuvres, structure, fit, &sigmas)?,
         _ => equation_error_constants(manoeuvres, structure, regression, fit, &sigmas)?,
     };

@@ -1,12 +1,12 @@
 //! A prepared record as the batch methods fly it.
 
-use phugoid_estimators::{ConstantEffects, LinearizedOutputs, LinearizedRates};
+use phugoid_estimators::{ConstantEffects, LinearizedOutputs, LinearizedRates, RegressorShift};
 
 use super::gate::surface_rates;
 use crate::batch::{Flown, Instant};
 use crate::core::options::CAPACITY;
 use crate::core::systematic::ROOM_FOR_CONSTANTS;
-use crate::motion::MotionModel;
+use crate::motion::{Motion, MotionModel};
 use crate::preparation::prepared::Prepared;
 
 impl<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize> Flown<N, R> for Prepared<M, N, R> {
@@ -59,5 +59,9 @@ impl<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize> Flown<N, R>
         let moved = |k: usize| (self.time[k], M::deflections(&self.inputs[k]));
         let rates = end.checked_sub(1).map_or([0.0; 3], |start| surface_rates(moved(start), moved(end)));
         self.model.effects(x, theta, &at.input(&self.inputs), &rates, out);
+    }
+
+    fn regressor_shifts(&self, parameter: usize) -> &[RegressorShift] {
+        Motion::regressor_shifts(&self.model, parameter)
     }
 }

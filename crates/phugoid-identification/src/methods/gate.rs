@@ -5,7 +5,7 @@
 //! ones. So the sensitivity to increments of an axis is zero until its first visible motion: their estimates and bounds
 //! stay those given beforehand.
 
-use phugoid_estimators::{ConstantEffects, Input, LinearizedOutputs, LinearizedRates, Model};
+use phugoid_estimators::{ConstantEffects, Input, LinearizedOutputs, LinearizedRates, Model, RegressorShift};
 
 use crate::core::axes::{Axes, Group};
 use crate::core::output::Output;
@@ -164,5 +164,9 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> Mo
 
     fn regressor_powers<const K: usize>(&self, x: &[f64; N], column: usize) -> [f64; K] {
         Motion::regressor_powers(&self.model, x, column)
+    }
+
+    fn regressor_shifts(&self, column: usize) -> &[RegressorShift] {
+        Motion::regressor_shifts(&self.model, column)
     }
 }

@@ -21,7 +21,7 @@ use crate::core::method::Method;
 use crate::core::options::{KnownChange, Opens};
 use crate::core::systematic::{ByQuantity, SystematicPart};
 use crate::model_file::{Base, ByPowers, ModelFile, Role};
-use crate::motion::MotionModel;
+use crate::motion::{MotionModel, declared};
 use crate::preparation::excitation::{Excitation, Moved};
 
 /// How far before the first visible motion the estimation of increments starts, s.
@@ -188,7 +188,7 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> St
             lead: Lead::default(),
             watch: Watch::new(settings.maximum_step_s.max(3.5 * settings.sample_time_s)),
             surface_rates: SurfaceRates::default(),
-            variances: M::CONSTANTS.iter().map(|quantity| file.uncertainty.of_quantity(*quantity).powi(2)).collect(),
+            variances: declared::<M, N, R>(file).iter().map(|std| std * std).collect(),
             by_powers: prepared.by_powers(file).collect(),
             systematic_std: [0.0; P],
             changes: Changes::default(),

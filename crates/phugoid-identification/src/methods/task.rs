@@ -106,6 +106,8 @@ pub(crate) struct ColumnRun {
     pub(crate) values: Vec<f64>,
     /// By sample, corrected for the colour of the residuals.
     pub(crate) std_errors: Vec<f64>,
+    /// The part of them that the model file declares, by sample.
+    pub(crate) systematic_stds: Vec<f64>,
     /// Correction that the estimator would have liked to make at each sample, in the parameter's unit, for display.
     pub(crate) surfaces: Vec<f64>,
     /// The rest: at the end.

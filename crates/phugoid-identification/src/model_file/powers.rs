@@ -102,6 +102,7 @@ fn parts(declared: &Uncertainty, coefficient: Coefficient, term: &Term, rate_spe
             UncertainQuantity::Mass => powers.mass,
             UncertainQuantity::Inertia => powers.inertia,
             UncertainQuantity::AirspeedPerAlpha
+            | UncertainQuantity::FlowAngleZero
             | UncertainQuantity::FlowAngleLag
             | UncertainQuantity::SurfaceSkew
             | UncertainQuantity::AccelerationScale

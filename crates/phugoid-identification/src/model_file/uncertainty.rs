@@ -21,6 +21,9 @@ pub struct Uncertainty {
     pub airspeed_per_alpha: f64,
     /// Scale of the angles of attack and sideslip: the vane and the flow about the fuselage (upwash).
     pub flow_angle_scale: f64,
+    /// Zero of the angles of attack and sideslip, rad. Where the model file estimates the bias of the sensor, that is used
+    /// instead.
+    pub flow_angle_zero: f64,
     /// Lag of the angles of attack and sideslip, s.
     pub flow_angle_lag: f64,
     /// Scale of the positions of the control surfaces.
@@ -58,7 +61,10 @@ pub enum Propagation {
 const UNMANNED_BELOW: f64 = 100.0;
 
 /// 0.15 % of the airspeed per degree of the angle of attack, per radian.
-const PER_ALPHA: f64 = 0.0015 * 180.0 / std::f64::consts::PI;
+const PER_ALPHA: f64 = 0.0015 / DEGREE;
+
+/// One degree, rad.
+const DEGREE: f64 = std::f64::consts::PI / 180.0;
 
 impl Uncertainty {
     /// Nothing is uncertain: for flights of a simulator.
@@ -66,6 +72,7 @@ impl Uncertainty {
         airspeed_scale: 0.0,
         airspeed_per_alpha: 0.0,
         flow_angle_scale: 0.0,
+        flow_angle_zero: 0.0,
         flow_angle_lag: 0.0,
         surface_scale: 0.0,
         surface_skew: 0.0,
@@ -80,12 +87,13 @@ impl Uncertainty {
 
     /// Of an aircraft that was prepared for a flight test: airspeed 1.5 % (14 CFR 25.1323 allows an installation error
     /// of 3 %), flow angles 2 % (position and upwash of a boom), mass 2 % (fuel), and by judgement all else: 0.15 % of the
-    /// airspeed per degree of the angle of attack, a lag of the vane of 10 ms, surface positions 2 % and 5 ms,
+    /// airspeed per degree of the angle of attack, a zero of the vane of 0.2 deg, a lag of the vane of 10 ms, surface positions 2 % and 5 ms,
     /// accelerometers 0.5 %, moments of inertia 3 %, centre of gravity 0.5 % of the chord, thrust 3 %.
     pub const FLIGHT_TEST: Self = Self {
         airspeed_scale: 0.015,
         airspeed_per_alpha: PER_ALPHA,
         flow_angle_scale: 0.02,
+        flow_angle_zero: 0.2 * DEGREE,
         flow_angle_lag: 0.01,
         surface_scale: 0.02,
         surface_skew: 0.005,
@@ -98,10 +106,11 @@ impl Uncertainty {
     };
 
     /// Of an aircraft with people in it about which nothing is said, by judgement: nobody says that the vane was
-    /// calibrated in flight (3 %, 20 ms), the surfaces under load (3 %, 10 ms), the aircraft weighed with its fuel (3 %,
+    /// calibrated in flight (3 %, 0.5 deg, 20 ms), the surfaces under load (3 %, 10 ms), the aircraft weighed with its fuel (3 %,
     /// 1 % of the chord) or swung (6 %), the accelerometers (1 %) and the thrust (5 %) measured.
     pub const UNSTATED: Self = Self {
         flow_angle_scale: 0.03,
+        flow_angle_zero: 0.5 * DEGREE,
         flow_angle_lag: 0.02,
         surface_scale: 0.03,
         surface_skew: 0.01,
@@ -115,12 +124,13 @@ impl Uncertainty {
 
     /// Of an unmanned aircraft with a vane: moments of inertia 10 % (entrained air changes swing tests of small aircraft by
     /// up to 25 %: J. Lehmkuehler, K. C. Wong, D. Verstraete, *Aeronautical Journal* 120, 2016), and by judgement airspeed
-    /// 3 % and 0.3 % per degree, flow angles 5 % and 30 ms, surface positions 3 % and 15 ms, accelerometers 1 %, mass 1 %
+    /// 3 % and 0.3 % per degree, flow angles 5 %, 1 deg and 30 ms, surface positions 3 % and 15 ms, accelerometers 1 %, mass 1 %
     /// (it is weighed), centre of gravity 1 % of the chord, thrust 10 %.
     pub const UNMANNED: Self = Self {
         airspeed_scale: 0.03,
         airspeed_per_alpha: 2.0 * PER_ALPHA,
         flow_angle_scale: 0.05,
+        flow_angle_zero: DEGREE,
         flow_angle_lag: 0.03,
         surface_scale: 0.03,
         surface_skew: 0.015,
@@ -163,6 +173,7 @@ impl Uncertainty {
             let (dimension, most, expected) = match quantity.unit() {
                 UncertaintyUnit::Part => (Dimension::NUMBER, 0.5, "a part of one, 0 to 0.5"),
                 UncertaintyUnit::PerAngle => (Dimension::NUMBER, 5.0, "a part of one per radian, 0 to 5"),
+                UncertaintyUnit::Angle => (Dimension::ANGLE, 10.0 * DEGREE, "an angle, 0 to 10 deg"),
                 UncertaintyUnit::Time => (Dimension::TIME, 1.0, "a time, 0 to 1 s"),
                 UncertaintyUnit::Chord => (Dimension::NUMBER, 0.5, "a part of the mean chord, 0 to 0.5"),
             };
@@ -180,6 +191,7 @@ impl Uncertainty {
             UncertainQuantity::AirspeedScale => &mut self.airspeed_scale,
             UncertainQuantity::AirspeedPerAlpha => &mut self.airspeed_per_alpha,
             UncertainQuantity::FlowAngleScale => &mut self.flow_angle_scale,
+            UncertainQuantity::FlowAngleZero => &mut self.flow_angle_zero,
             UncertainQuantity::FlowAngleLag => &mut self.flow_angle_lag,
             UncertainQuantity::SurfaceScale => &mut self.surface_scale,
             UncertainQuantity::SurfaceSkew => &mut self.surface_skew,
@@ -222,6 +234,7 @@ impl Uncertainty {
             (_, true, _) => "default for less than 100 kg, judgement",
             (_, false, UncertainQuantity::AirspeedPerAlpha) => "default, judgement: not calibrated over alpha",
             (_, false, UncertainQuantity::FlowAngleScale) => "default, judgement: vane not calibrated in flight",
+            (_, false, UncertainQuantity::FlowAngleZero) => "default, judgement: vane not aligned with the body axes",
             (_, false, UncertainQuantity::FlowAngleLag) => "default, judgement: lag of the vane not measured",
             (_, false, UncertainQuantity::SurfaceScale) => "default, judgement: not calibrated under load",
             (_, false, UncertainQuantity::SurfaceSkew) => "default, judgement: no common clock stated",
@@ -248,20 +261,30 @@ impl Uncertainty {
     /// A sentence for the user about what is in the bounds, or that nothing is declared. `followed`: the method has followed
     /// the errors, and every quantity is in its bounds; else those that have powers.
     pub(crate) fn sentence(&self, followed: bool) -> String {
-        let list: Vec<String> = UncertainQuantity::ALL
-            .into_iter()
-            .filter(|quantity| followed || Self::has_power(*quantity))
-            .map(|quantity| (quantity, self.of_quantity(quantity)))
+        let declared = UncertainQuantity::ALL.into_iter().map(|quantity| (quantity, self.of_quantity(quantity)));
+        let (inside, outside): (Vec<_>, Vec<_>) = declared
             .filter(|(_, value)| *value > 0.0)
-            .map(|(quantity, value)| format!("{} {}", quantity.name(), quantity.unit().in_words(value)))
-            .collect();
+            .partition(|(quantity, _)| followed || Self::has_power(*quantity));
+        let words = |list: &[(UncertainQuantity, f64)]| -> Vec<String> {
+            list.iter().map(|(q, value)| format!("{} {}", q.name(), q.unit().in_words(*value))).collect()
+        };
+        let not_inside = match outside.as_slice() {
+            [] => String::new(),
+            outside => format!(
+                " They do not contain {}: only smpe, ekf, output-error and equation-error follow such errors, with all six \
+                 coefficients none does, and none with propagation = \"powers\" under [uncertainty].",
+                words(outside).join(", ")
+            ),
+        };
+        let list = words(&inside);
         if list.is_empty() {
             return "The bounds contain no systematic errors: the model file declares none of airspeed, flow angles, surfaces, \
                     mass, inertia, centre of gravity and thrust under [uncertainty]."
-                .to_owned();
+                .to_owned()
+                + &not_inside;
         }
         format!(
-            "The bounds contain systematic errors that leave no trace in residuals, one sigma, {}: {}.",
+            "The bounds contain systematic errors that leave no trace in residuals, one sigma, {}: {}.{not_inside}",
             if self.by_default {
                 "declared by default ([uncertainty] in the model file replaces them)"
             } else {

@@ -2,7 +2,7 @@
 
 pub(crate) mod constants;
 
-use phugoid_estimators::{Input, LinearizedOutputs, LinearizedRates, Model};
+use phugoid_estimators::{Input, LinearizedOutputs, LinearizedRates, Model, RegressorShift};
 use phugoid_flight_dynamics::rigid_body::{Angles, attitude_equations, force_equations};
 use phugoid_flight_dynamics::scalar::{Dual, Scalar};
 
@@ -77,6 +77,8 @@ pub struct LateralModel {
     aerodynamics: Aerodynamics,
     /// By which powers of the scales the regressor of each column goes.
     scaling: Vec<ScalingPowers>,
+    /// What constants add to it of the regressors of other columns.
+    shifts: Vec<Vec<RegressorShift>>,
 }
 
 /// Measured quantities on which the forces depend.
@@ -104,7 +106,8 @@ impl LateralModel {
     ) -> Self {
         let by_airspeed = constants.rate_speed.is_none();
         let scaling = columns.iter().map(|(c, t)| ScalingPowers::of(*c, t, by_airspeed)).collect();
-        Self { aerodynamics: Aerodynamics { constants, database, known, columns }, scaling }
+        let shifts = constants::shifts(&columns, &constants);
+        Self { aerodynamics: Aerodynamics { constants, database, known, columns }, scaling, shifts }
     }
 
     /// The constants of the aircraft that the model was built with.

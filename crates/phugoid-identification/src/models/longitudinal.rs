@@ -5,7 +5,7 @@ pub(crate) mod constants;
 mod terms;
 
 use alpha_rate::AlphaRateTerms;
-use phugoid_estimators::{Input, LinearizedOutputs, LinearizedRates, Model};
+use phugoid_estimators::{Input, LinearizedOutputs, LinearizedRates, Model, RegressorShift};
 use phugoid_flight_dynamics::longitudinal::{
     LongitudinalLoads, LongitudinalMotion, LongitudinalState, longitudinal_motion,
 };
@@ -121,6 +121,8 @@ pub struct LongitudinalModel {
     columns: Vec<(Coefficient, Term)>,
     /// By which powers of the scales the regressor of each column goes.
     scaling: Vec<ScalingPowers>,
+    /// What constants add to it of the regressors of other columns.
+    shifts: Vec<Vec<RegressorShift>>,
     /// Known and estimated terms in the [`short`] order of flight variables.
     known: Vec<(Coefficient, Term, f64)>,
     estimated: Vec<(Coefficient, Term)>,
@@ -159,6 +161,7 @@ impl LongitudinalModel {
         let alpha_rate = AlphaRateTerms::of(&columns, &known);
         let by_airspeed = constants.rate_speed.is_none();
         let scaling = columns.iter().map(|(c, t)| ScalingPowers::of(*c, t, by_airspeed)).collect();
+        let shifts = constants::shifts(&columns, &constants);
         let estimated: Vec<(Coefficient, Term)> = columns.iter().map(|(c, t)| short(*c, t)).collect();
         let known: Vec<(Coefficient, Term, f64)> = known
             .iter()
@@ -175,6 +178,7 @@ impl LongitudinalModel {
             database,
             columns,
             scaling,
+            shifts,
             known,
             estimated,
             quick,

@@ -1,13 +1,13 @@
 //! The lateral-directional motion, as the estimation takes it.
 
-use phugoid_estimators::ConstantEffects;
+use phugoid_estimators::{ConstantEffects, RegressorShift};
 
 use super::{Known, Motion, ReferencePoint, terms};
 use crate::core::axes::Axes;
 use crate::core::output::Output;
 use crate::core::systematic::UncertainQuantity;
 use crate::model_file::ModelFile;
-use crate::models::lateral::constants::CONSTANTS;
+use crate::models::lateral::constants::{BIAS_OF_BETA, CONSTANTS};
 use crate::models::lateral::{LATERAL_OUTPUTS, LATERAL_STATES, LateralInput, LateralModel};
 use crate::models::longitudinal::Database;
 use crate::models::rigid::AircraftConstants;
@@ -50,6 +50,10 @@ impl Motion<LATERAL_STATES, LATERAL_OUTPUTS> for LateralModel {
 
     const CONSTANTS: &'static [UncertainQuantity] = &CONSTANTS;
 
+    fn bias_constant(output: Output) -> Option<usize> {
+        (output == Output::Beta).then_some(BIAS_OF_BETA)
+    }
+
     fn deflections(input: &LateralInput) -> [f64; 3] {
         input.surfaces.deflections()
     }
@@ -66,5 +70,9 @@ impl Motion<LATERAL_STATES, LATERAL_OUTPUTS> for LateralModel {
     }
     fn regressor_powers<const K: usize>(&self, _: &[f64; LATERAL_STATES], column: usize) -> [f64; K] {
         self.powers_of_constants(column)
+    }
+
+    fn regressor_shifts(&self, column: usize) -> &[RegressorShift] {
+        self.shifts_of_constants(column)
     }
 }

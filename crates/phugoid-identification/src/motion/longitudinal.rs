@@ -1,6 +1,6 @@
 //! The longitudinal motion, as the estimation takes it.
 
-use phugoid_estimators::ConstantEffects;
+use phugoid_estimators::{ConstantEffects, RegressorShift};
 use phugoid_flight_dynamics::atmosphere::Atmosphere;
 
 use super::{Known, Motion, ReferencePoint, terms};
@@ -9,7 +9,7 @@ use crate::core::output::Output;
 use crate::core::systematic::UncertainQuantity;
 use crate::core::term::{Coefficient, Term, Variable};
 use crate::model_file::{AirDensity, ModelFile, RateSpeed, Source};
-use crate::models::longitudinal::constants::CONSTANTS;
+use crate::models::longitudinal::constants::{BIAS_OF_ALPHA, CONSTANTS};
 use crate::models::longitudinal::{
     Database, LongitudinalConstants, LongitudinalInput, LongitudinalModel, OUTPUTS, STATES,
 };
@@ -56,6 +56,10 @@ impl Motion<STATES, OUTPUTS> for LongitudinalModel {
 
     const CONSTANTS: &'static [UncertainQuantity] = &CONSTANTS;
 
+    fn bias_constant(output: Output) -> Option<usize> {
+        (output == Output::Alpha).then_some(BIAS_OF_ALPHA)
+    }
+
     fn deflections(input: &LongitudinalInput) -> [f64; 3] {
         [input.elevator, 0.0, 0.0]
     }
@@ -72,6 +76,10 @@ impl Motion<STATES, OUTPUTS> for LongitudinalModel {
     }
     fn regressor_powers<const K: usize>(&self, x: &[f64; STATES], column: usize) -> [f64; K] {
         self.powers_of_constants(x, column)
+    }
+
+    fn regressor_shifts(&self, column: usize) -> &[RegressorShift] {
+        self.shifts_of_constants(column)
     }
 }
 

@@ -7,7 +7,7 @@ mod six;
 
 use std::fmt::Debug;
 
-use phugoid_estimators::{ConstantEffects, Input, Model};
+use phugoid_estimators::{ConstantEffects, Input, Model, RegressorShift};
 
 use crate::core::axes::Axes;
 use crate::core::output::Output;
@@ -42,6 +42,11 @@ pub trait Motion<const N: usize, const R: usize>: Clone + Debug + Send + 'static
     /// have several columns, whose errors have nothing to do with each other. None for a motion without.
     const CONSTANTS: &'static [UncertainQuantity] = &[];
 
+    /// The constant that is the bias of an output, by column of [`Motion::effects`]; none if there is no such constant.
+    fn bias_constant(_output: Output) -> Option<usize> {
+        None
+    }
+
     /// Elevator, aileron and rudder of an input, rad; zero for one that the motion does not have.
     fn deflections(_input: &Self::KnownInput) -> [f64; 3] {
         [0.0; 3]
@@ -64,6 +69,11 @@ pub trait Motion<const N: usize, const R: usize>: Clone + Debug + Send + 'static
     fn regressor_powers<const K: usize>(&self, _x: &[f64; N], _column: usize) -> [f64; K] {
         [0.0; K]
     }
+
+    /// What the constants add to the regressor of a column of those of other columns ([`Model::regressor_shifts`]).
+    fn regressor_shifts(&self, _column: usize) -> &[RegressorShift] {
+        &[]
+    }
 }
 
 /// A motion that is a [`Model`] with room for `P` parameters.
@@ -75,6 +85,20 @@ pub trait MotionModel<const N: usize, const R: usize, const P: usize>:
 impl<M, const N: usize, const R: usize, const P: usize> MotionModel<N, R, P> for M where
     M: Motion<N, R> + Model<N, R, P, Input = <M as Motion<N, R>>::KnownInput>
 {
+}
+
+/// Standard uncertainty of each of [`Motion::CONSTANTS`], in the unit of its quantity: what the model file declares. Zero for the
+/// bias of an output that the file has estimated (`[biases]`): its uncertainty is in the bounds as that of a parameter.
+pub(crate) fn declared<M: Motion<N, R>, const N: usize, const R: usize>(file: &ModelFile) -> Vec<f64> {
+    let mut declared: Vec<f64> = M::CONSTANTS.iter().map(|quantity| file.uncertainty.of_quantity(*quantity)).collect();
+    for parameter in file.estimated() {
+        if let Role::Bias(output) = parameter.role
+            && let Some(place) = M::bias_constant(output)
+        {
+            declared[place] = 0.0;
+        }
+    }
+    declared
 }
 
 /// The reference point: the angle of attack and the deflections at which the terms of the build-up are zero.

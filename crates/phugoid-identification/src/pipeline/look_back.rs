@@ -631,7 +631,6 @@ impl<'a> Differs<'a> {
 /// Standard errors by which a column differs between two samples, without the part of the errors that the model file declares:
 /// that is the same at both.
 fn sigmas(column: &ColumnRun, from: usize, to: usize) -> f64 {
-    let declared = if column.value == 0.0 { 0.0 } else { column.systematic_std / column.value.abs() };
-    let std = |sample: usize| without_part(column.std_errors[sample], declared * column.values[sample].abs());
+    let std = |sample: usize| without_part(column.std_errors[sample], column.systematic_stds[sample]);
     (column.values[to] - column.values[from]).abs() / std(from).hypot(std(to))
 }

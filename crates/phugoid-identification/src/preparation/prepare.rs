@@ -195,8 +195,8 @@ fn not_seen(names: &[&str]) -> String {
 }
 
 /// What is said where nothing tells how a slow surface moved.
-const NOT_SEEN_BETWEEN: &str = "the record does not tell how it moved between its samples: half of its step more or less is in \
-                                the bounds, as timing of surfaces. Record it faster, or say it in the model file with the line \
+const NOT_SEEN_BETWEEN: &str = "the record does not tell how it moved between its samples: half of its step more or less is a \
+                                part of the timing of surfaces, as an error that is declared. Record it faster, or say it in the model file with the line \
                                 input = \"held\" (commands) or input = \"interpolated\" (positions)";
 
 /// The input of the model at each sample, from the known inputs by name.

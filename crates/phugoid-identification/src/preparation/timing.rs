@@ -145,7 +145,7 @@ fn probabilities(found: &[SurfaceDelay]) -> Probabilities {
 }
 
 /// What a user should know where nothing was decided.
-pub(crate) const OPEN: &str = "and half a sample more or less is in the bounds, as timing of surfaces. If you know it, add the line input = \
+pub(crate) const OPEN: &str = "and half a sample more or less stays open: a part of the timing of surfaces, as an error that is declared. If you know it, add the line input = \
                     \"held\" (commands) or input = \"interpolated\" (positions) to the model file, above its first [section]";
 
 /// How late a surface was recorded if it moves in this way, s.
@@ -175,7 +175,7 @@ fn skewed(found: &[SurfaceDelay], alike: bool, grounds: &str) -> Timing {
     let doubt = if is_known {
         String::new()
     } else {
-        ". By how much is not certain, and what it may be off by is in the bounds".to_owned()
+        ". By how much is not certain: what it may be off by is a part of the timing of surfaces, as an error that is declared".to_owned()
     };
     let open_std_s = if is_known { 0.0 } else { found.iter().map(|s| move_of(s).1).fold(0.0, f64::max) };
     let note = format!(
@@ -241,7 +241,7 @@ mod tests {
         assert!(timing(&[], STEP_S).notes[0].contains("add the line input = \"held\""));
         for late in [-4.9, 40.0] {
             let said = timing(&[surface(late, 6.0)], STEP_S).notes.concat();
-            assert!(said.contains("is in the bounds"), "{late}");
+            assert!(said.contains("a part of the timing of surfaces"), "{late}");
         }
     }
 

@@ -14,8 +14,8 @@ use phugoid_identification::model_file::{ModelFile, Source, Thrust};
 /// Small enough for a first derivative, and large enough beside rounding.
 const SMALL: f64 = 5e-4;
 
-/// Puts the constant `1 + SMALL` into the flight: a sensor shows that many times the true value, or the aircraft has that
-/// many times what the model file says.
+/// Puts the constant `1 + SMALL` into the flight: a sensor shows that many times the true value (a zero: `SMALL` rad more), or the
+/// aircraft has that many times what the model file says.
 fn put(quantity: UncertainQuantity, record: &mut Record, model: &mut ModelFile) {
     let mut scaled = |name: &str, factor: f64| {
         let channel = record.channels.iter_mut().find(|channel| channel.name == name).unwrap();
@@ -28,6 +28,10 @@ fn put(quantity: UncertainQuantity, record: &mut Record, model: &mut ModelFile) 
     match quantity {
         UncertainQuantity::AirspeedScale => scaled("true_airspeed", 1.0 + SMALL),
         UncertainQuantity::FlowAngleScale => scaled("alpha", 1.0 + SMALL),
+        UncertainQuantity::FlowAngleZero => {
+            let channel = record.channels.iter_mut().find(|channel| channel.name == "alpha").unwrap();
+            channel.values.iter_mut().for_each(|value| *value += SMALL);
+        }
         UncertainQuantity::SurfaceScale => scaled("elevator", 1.0 + SMALL),
         UncertainQuantity::Thrust => {
             assert!(matches!(model.aircraft.thrust, Thrust::Known(Source::Channel(_))));
@@ -52,7 +56,7 @@ fn run(method: Method, record: &Record, model: &ModelFile) -> Estimation {
     estimate(record, model, &options, &mut |_| {}).unwrap()
 }
 
-/// The claims of both filters, at several ends of the record, for every quantity that is a scale.
+/// The claims of both filters, at several ends of the record, for every quantity that is a scale, and the zero of the vane.
 ///
 /// Allowed: a tenth of what happens, and a quarter of the random standard error, which as the root of the sum of squares
 /// changes a bound by 3 %. It is not zero because the gains of the states depend on the constants too, and the recursion leaves
@@ -61,10 +65,13 @@ fn run(method: Method, record: &Record, model: &ModelFile) -> Estimation {
 fn claims_of_declared_scales_are_what_happens() {
     let Some(path) = common::shared_file("flight/hfb320.csv") else { return };
     let whole = csv::read_path(&path, &CsvOptions::default()).unwrap();
-    const SIGMA: f64 = 0.02;
+    // Lift of a zero is drag with `c`, and with `CL_alpha c^2`, which is a quarter of it at 0.02 rad.
+    let zero = UncertainQuantity::FlowAngleZero;
+    let sigma_of = |quantity| if quantity == zero { 0.2_f64.to_radians() } else { 0.02 };
     let quantities = [
         UncertainQuantity::AirspeedScale,
         UncertainQuantity::FlowAngleScale,
+        UncertainQuantity::FlowAngleZero,
         UncertainQuantity::SurfaceScale,
         UncertainQuantity::Thrust,
         UncertainQuantity::Mass,
@@ -83,13 +90,14 @@ fn claims_of_declared_scales_are_what_happens() {
         record.time.truncate(length);
         record.channels.iter_mut().for_each(|channel| channel.values.truncate(length));
         for quantity in quantities {
-            let model = declaring(quantity, SIGMA);
+            let sigma = sigma_of(quantity);
+            let model = declaring(quantity, sigma);
             let right = run(method, &record, &model);
             let (mut wrong_record, mut wrong_model) = (record.clone(), model.clone());
             put(quantity, &mut wrong_record, &mut wrong_model);
             let wrong = run(method, &wrong_record, &wrong_model);
             for p in &right.parameters {
-                let moved = (wrong.parameter(&p.name).unwrap().value - p.value).abs() * SIGMA / SMALL;
+                let moved = (wrong.parameter(&p.name).unwrap().value - p.value).abs() * sigma / SMALL;
                 let apart = (moved - p.systematic_std).abs();
                 worst = worst.max((apart - 0.1 * moved) / p.random_std());
                 if apart >= 0.1 * moved + 0.25 * p.random_std() {

@@ -1,15 +1,17 @@
 //! What an error of a constant does to rates and outputs of the lateral-directional motion.
 
-use phugoid_estimators::ConstantEffects;
+use phugoid_estimators::{ConstantEffects, RegressorShift};
 use phugoid_flight_dynamics::scalar::Dual;
 
 use super::{LATERAL_OUTPUTS, LATERAL_STATES, LateralInput, LateralModel, Measured};
+use crate::core::shifts::Moved;
 use crate::core::systematic::UncertainQuantity;
-use crate::core::term::Coefficient;
+use crate::core::term::{Coefficient, Term, Variable};
+use crate::models::rigid::AircraftConstants;
 
 /// The constants in the order of the columns of [`LateralModel::effects_of_constants`]: flow angles are the sideslip, then
-/// the angle of attack; surfaces aileron, then rudder; moments of inertia about body x, then z.
-pub(crate) const CONSTANTS: [UncertainQuantity; 12] = [
+/// the angle of attack; surfaces aileron, then rudder; moments of inertia about body x, then z; zeros of sideslip, then of the angle of attack.
+pub(crate) const CONSTANTS: [UncertainQuantity; 14] = [
     UncertainQuantity::AirspeedScale,
     UncertainQuantity::FlowAngleScale,
     UncertainQuantity::FlowAngleScale,
@@ -22,12 +24,30 @@ pub(crate) const CONSTANTS: [UncertainQuantity; 12] = [
     UncertainQuantity::Inertia,
     UncertainQuantity::Inertia,
     UncertainQuantity::CentreOfGravity,
+    UncertainQuantity::FlowAngleZero,
+    UncertainQuantity::FlowAngleZero,
 ];
+
+/// Place of the constant that is the bias of the sideslip.
+pub(crate) const BIAS_OF_BETA: usize = 12;
 
 /// Place of the specific force along body y among the outputs, and of the roll and the yaw acceleration.
 const AY: usize = 4;
 const ROLL_ACCELERATION: usize = 5;
 const YAW_ACCELERATION: usize = 6;
+
+/// What the constants add to the regressors of the columns of those of other columns. A scale moves what is measured from a
+/// reference point by its part of the reference.
+pub(super) fn shifts(columns: &[(Coefficient, Term)], c: &AircraftConstants) -> Vec<Vec<RegressorShift>> {
+    let moved = [
+        Moved { constant: BIAS_OF_BETA, variable: Variable::Beta, per_unit: 1.0 },
+        Moved { constant: 13, variable: Variable::Alpha, per_unit: 1.0 },
+        Moved { constant: 2, variable: Variable::Alpha, per_unit: c.alpha_reference },
+        Moved { constant: 4, variable: Variable::Aileron, per_unit: c.aileron_reference },
+        Moved { constant: 5, variable: Variable::Rudder, per_unit: c.rudder_reference },
+    ];
+    crate::core::shifts::shifts(columns, &moved, &[])
+}
 
 impl LateralModel {
     /// Derivatives of rates and outputs by the constants, as those of the longitudinal motion. `surface_rates` of
@@ -59,6 +79,7 @@ impl LateralModel {
         let missing = [
             (0, [-u.speed, 0.0, 0.0, 0.0]),
             (2, [0.0, -u.alpha, 0.0, 0.0]),
+            (13, [0.0, -1.0, 0.0, 0.0]),
             (4, [0.0, 0.0, -u.surfaces.aileron, 0.0]),
             (5, [0.0, 0.0, 0.0, -u.surfaces.rudder]),
             (6, [0.0, 0.0, aileron_rate, rudder_rate]),
@@ -73,6 +94,7 @@ impl LateralModel {
             outputs[YAW_ACCELERATION][column] = along(&motion.rates[3]);
         }
         outputs[0][1] = beta;
+        outputs[0][BIAS_OF_BETA] = 1.0;
         outputs[0][3] = -rate[0];
         outputs[AY][7] = ay;
 
@@ -101,6 +123,11 @@ impl LateralModel {
         }
         // And the acceleration is that of a point ahead of it.
         outputs[AY][11] = (rate[3] + p * q) * c.mean_chord;
+    }
+
+    /// What the constants add to the regressor of a column of those of other columns.
+    pub(crate) fn shifts_of_constants(&self, column: usize) -> &[RegressorShift] {
+        self.shifts.get(column).map_or(&[], Vec::as_slice)
     }
 
     /// By which part the regressor of a column is larger than the true one, per unit of each constant. The product of
@@ -202,6 +229,7 @@ mod tests {
         match column {
             0 => u.speed *= 1.0 - c,
             2 => u.alpha *= 1.0 - c,
+            13 => u.alpha -= c,
             4 => u.surfaces.aileron *= 1.0 - c,
             5 => u.surfaces.rudder *= 1.0 - c,
             6 => {
@@ -218,6 +246,7 @@ mod tests {
         let ay = healthy[output(AY)];
         match column {
             1 => shown[output(0)] *= 1.0 + c,
+            12 => shown[output(0)] += c,
             3 => shown[output(0)] -= c * healthy[0],
             7 => shown[output(AY)] *= 1.0 + c,
             11 => {
@@ -243,7 +272,7 @@ mod tests {
     fn the_effects_are_those_of_small_errors() {
         let aircraft = F16::new(F16Options { cg: 0.3, ..F16Options::default() }).unwrap();
         for model in [model(Database::None), model(Database::F16(Box::new(aircraft)))] {
-            let mut effects = ConstantEffects::<LATERAL_STATES, LATERAL_OUTPUTS, 12>::ZERO;
+            let mut effects = ConstantEffects::<LATERAL_STATES, LATERAL_OUTPUTS, 14>::ZERO;
             model.effects_of_constants(&X, &THETA, &input(), &SURFACE_RATES, &mut effects);
             for (column, quantity) in CONSTANTS.iter().enumerate() {
                 let c = 1e-5;

@@ -1,14 +1,16 @@
 //! What an error of a constant does to rates and outputs of the longitudinal motion.
 
-use phugoid_estimators::ConstantEffects;
+use phugoid_estimators::{ConstantEffects, RegressorShift};
 use phugoid_flight_dynamics::scalar::Dual;
 
-use super::{LongitudinalInput, LongitudinalModel, OUTPUTS, STATES, row};
+use super::{LongitudinalConstants, LongitudinalInput, LongitudinalModel, OUTPUTS, STATES, row};
+use crate::core::shifts::{Moved, Turned};
 use crate::core::systematic::UncertainQuantity;
+use crate::core::term::{Coefficient, Term, Variable};
 
 /// The constants in the order of the columns of [`LongitudinalModel::effects_of_constants`]: accelerometers along x, then
 /// along z.
-pub(crate) const CONSTANTS: [UncertainQuantity; 12] = [
+pub(crate) const CONSTANTS: [UncertainQuantity; 13] = [
     UncertainQuantity::AirspeedScale,
     UncertainQuantity::AirspeedPerAlpha,
     UncertainQuantity::FlowAngleScale,
@@ -21,11 +23,28 @@ pub(crate) const CONSTANTS: [UncertainQuantity; 12] = [
     UncertainQuantity::Inertia,
     UncertainQuantity::CentreOfGravity,
     UncertainQuantity::Thrust,
+    UncertainQuantity::FlowAngleZero,
 ];
 
+/// Place of the constant that is the bias of the angle of attack.
+pub(crate) const BIAS_OF_ALPHA: usize = 12;
+
+/// What the constants add to the regressors of the columns of those of other columns. A scale moves what is measured from a
+/// reference point by its part of the reference.
+pub(super) fn shifts(columns: &[(Coefficient, Term)], c: &LongitudinalConstants) -> Vec<Vec<RegressorShift>> {
+    let moved = [
+        Moved { constant: BIAS_OF_ALPHA, variable: Variable::Alpha, per_unit: 1.0 },
+        Moved { constant: 2, variable: Variable::Alpha, per_unit: c.alpha_reference },
+        Moved { constant: 4, variable: Variable::Elevator, per_unit: c.elevator_reference },
+    ];
+    let turned =
+        [Turned { constant: BIAS_OF_ALPHA, per_unit: 1.0 }, Turned { constant: 2, per_unit: c.alpha_reference }];
+    crate::core::shifts::shifts(columns, &moved, &turned)
+}
+
 impl LongitudinalModel {
-    /// Derivatives of rates and outputs by the constants. A sensor shows `(1 + c)` times the true value, or what was true
-    /// `c` seconds before; mass, inertia and thrust are `(1 + c)` times what the input holds, and the centre of gravity
+    /// Derivatives of rates and outputs by the constants. A sensor shows `(1 + c)` times the true value, `c` radians more, or
+    /// what was true `c` seconds before; mass, inertia and thrust are `(1 + c)` times what the input holds, and the centre of gravity
     /// lies `c` chords behind the one that moments and accelerations refer to. `elevator_rate` in rad/s.
     ///
     /// A reference point of the terms counts as exact. What `alpha'` itself loses where a term has the rate of the angle
@@ -105,6 +124,13 @@ impl LongitudinalModel {
         outputs[row::AX][11] = thrust[0] / u.mass;
         outputs[row::AZ][11] = thrust[1] / u.mass;
         outputs[row::PITCH_ACCELERATION][11] = turned;
+
+        outputs[row::ALPHA][BIAS_OF_ALPHA] = 1.0;
+    }
+
+    /// What the constants add to the regressor of a column of those of other columns.
+    pub(crate) fn shifts_of_constants(&self, column: usize) -> &[RegressorShift] {
+        self.shifts.get(column).map_or(&[], Vec::as_slice)
     }
 
     /// By which part the regressor of a column is larger than the true one, per unit of each constant. `1 + c alpha` is
@@ -132,7 +158,7 @@ mod tests {
     use phugoid_estimators::{ConstantEffects, LinearizedOutputs, Model};
     use phugoid_flight_dynamics::f16::{F16, F16Options};
 
-    use super::{CONSTANTS, OUTPUTS, STATES, row};
+    use super::{BIAS_OF_ALPHA, CONSTANTS, OUTPUTS, STATES, row};
     use crate::core::term::{Coefficient, Term};
     use crate::models::longitudinal::{Database, LongitudinalConstants, LongitudinalInput, LongitudinalModel};
 
@@ -202,6 +228,7 @@ mod tests {
             1 => shown[output(row::TRUE_AIRSPEED)] *= 1.0 + c * X[1],
             2 => shown[output(row::ALPHA)] *= 1.0 + c,
             3 => shown[output(row::ALPHA)] -= c * rates[1],
+            12 => shown[output(row::ALPHA)] += c,
             6 => shown[output(row::AX)] *= 1.0 + c,
             7 => shown[output(row::AZ)] *= 1.0 + c,
             9 => shown[output(row::PITCH_ACCELERATION)] = shown[3],
@@ -224,7 +251,7 @@ mod tests {
     fn the_effects_are_those_of_small_errors() {
         let aircraft = F16::new(F16Options { cg: 0.3, ..F16Options::default() }).unwrap();
         for model in [model(Database::None), model(Database::F16(Box::new(aircraft)))] {
-            let mut effects = ConstantEffects::<STATES, OUTPUTS, 12>::ZERO;
+            let mut effects = ConstantEffects::<STATES, OUTPUTS, 13>::ZERO;
             model.effects_of_constants(&X, &THETA, &U, ELEVATOR_RATE, &mut effects);
             for (column, quantity) in CONSTANTS.iter().enumerate() {
                 let c = 1e-5;
@@ -237,6 +264,50 @@ mod tests {
                     assert!((found - expected).abs() < 1e-7 * largest, "{quantity} {column}, {i}: {found} {expected}");
                 }
             }
+        }
+    }
+
+    /// The regressors of the accelerometers and of the pitch acceleration at another angle of attack, against those of other
+    /// columns: what a zero of the vane adds to each column that has them.
+    #[test]
+    fn the_shifts_are_those_of_the_regressors() {
+        const ALL: [(Coefficient, &str); 9] = [
+            (Coefficient::Lift, "1"),
+            (Coefficient::Lift, "alpha"),
+            (Coefficient::Lift, "alpha^2"),
+            (Coefficient::Drag, "alpha^2"),
+            (Coefficient::Drag, "1"),
+            (Coefficient::Drag, "alpha"),
+            (Coefficient::PitchingMoment, "1"),
+            (Coefficient::PitchingMoment, "elevator"),
+            (Coefficient::PitchingMoment, "alpha*elevator"),
+        ];
+        let constants = LongitudinalConstants { alpha_reference: 0.02, ..*model(Database::None).constants() };
+        let terms = ALL.map(|(coefficient, text)| (coefficient, Term::parse(text, &[]).unwrap()));
+        let model = LongitudinalModel::new(constants, Database::None, terms.to_vec(), Vec::new());
+        let regressors = |alpha: f64| {
+            let x = [X[0], alpha, X[2], X[3]];
+            let mut lin = LinearizedOutputs::<STATES, OUTPUTS, 9>::ZERO;
+            model.linearized_outputs(&x, &[0.0; 9], &U, &mut lin);
+            [row::AX, row::AZ, row::PITCH_ACCELERATION].map(|row| lin.parameter_jacobian[row])
+        };
+        let c = 1e-6;
+        let (up, here, down) = (regressors(X[1] + c), regressors(X[1]), regressors(X[1] - c));
+        for column in 0..9 {
+            let shifts = model.shifts_of_constants(column);
+            let of_zero = shifts.iter().filter(|shift| shift.constant == BIAS_OF_ALPHA);
+            // A derivative has the constant of its coefficient, and lift and drag have each other.
+            assert_eq!(of_zero.clone().count(), [1, 2, 2, 2, 1, 2, 0, 0, 1][column], "column {column}");
+            for output in 0..3 {
+                let expected = (up[output][column] - down[output][column]) / (2.0 * c);
+                let found: f64 = of_zero.clone().map(|shift| shift.per_unit * here[output][shift.of]).sum();
+                let largest = here[output].iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
+                assert!((found - expected).abs() < 1e-7 * largest, "{column} {output}: {found} {expected}");
+            }
+            // Of a scale they are those at the reference point.
+            let of_scale: f64 = shifts.iter().filter(|shift| shift.constant == 2).map(|shift| shift.per_unit).sum();
+            let of_zero: f64 = of_zero.map(|shift| shift.per_unit).sum();
+            assert!((of_scale - 0.02 * of_zero).abs() < 1e-15, "column {column}");
         }
     }
 }
