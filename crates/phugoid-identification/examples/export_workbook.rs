@@ -38,6 +38,8 @@ fn result() -> serde_json::Result<Estimation> {
                 before_std: 0.1,
                 after: -1.0,
                 after_std: 0.02,
+                difference_std: 0.08,
+                random_std: 0.08,
             }],
         }],
         ..Estimation::default()

@@ -50,6 +50,10 @@ fn a_damage_that_was_missed_in_flight_is_found_in_the_whole_record() {
             assert!((moved.before - before).abs() < 2.0 * moved.before_std, "{moved:?}");
             assert!((moved.after - after).abs() < 2.0 * moved.after_std, "{moved:?}");
             assert!(moved.sigmas().abs() > 3.0, "{moved:?}");
+            // Both values share the declared errors: the change is known better than they are.
+            let by = moved.after - moved.before;
+            assert!((by - (after - before)).abs() < 2.0 * moved.difference_std, "{moved:?}");
+            assert!(moved.difference_std < moved.before_std.hypot(moved.after_std), "{moved:?}");
         }
         assert!(found.verdict.iter().any(|s| s.contains("when the whole record was looked at again")));
         assert!(

@@ -451,12 +451,21 @@ pub struct ChangedParameter {
     pub after: f64,
     /// Its corrected standard error.
     pub after_std: f64,
+    /// One sigma of the difference. What the model file declares is the same error before and after: of that it has only what it does
+    /// otherwise to the one than to the other, so that a change is known better than either value. Zero in a result that was written
+    /// before this was told.
+    #[serde(default)]
+    pub difference_std: f64,
+    /// The random part of that: what noise and turbulence leave open. Zero in a result that was written before this was told.
+    #[serde(default)]
+    pub random_std: f64,
 }
 
 impl ChangedParameter {
-    /// The difference over its standard error; zero if that is not positive.
+    /// The difference over its random part, by which the parameters of a change are put in order: what is declared in parts of a
+    /// value would make every large change as sure as any other. Zero if that is not positive.
     pub fn sigmas(&self) -> f64 {
-        let std = self.before_std.hypot(self.after_std);
+        let std = if self.random_std > 0.0 { self.random_std } else { self.before_std.hypot(self.after_std) };
         if std > 0.0 { (self.after - self.before) / std } else { 0.0 }
     }
 }

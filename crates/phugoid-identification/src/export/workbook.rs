@@ -124,6 +124,7 @@ pub fn xlsx(estimation: &Estimation) -> Result<Vec<u8>, XlsxError> {
             "before, std_error",
             "after",
             "after, std_error",
+            "difference, std_error",
         ];
         let rows = estimation.changes.iter().flat_map(|change| {
             change.parameters.iter().map(|p| {
@@ -136,6 +137,7 @@ pub fn xlsx(estimation: &Estimation) -> Result<Vec<u8>, XlsxError> {
                     p.before_std.into(),
                     p.after.into(),
                     p.after_std.into(),
+                    p.difference_std.into(),
                 ]
             })
         });

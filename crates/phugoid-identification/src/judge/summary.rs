@@ -122,8 +122,15 @@ fn changes<const R: usize>(columns: &[(&Parameter, Option<usize>)], run: &Run<R>
                 if change.opens == Opens::Constants && !parameter.role.is_constant_term() {
                     return None;
                 }
-                let ([before, before_std], [after, after_std]) = (*change.before.get(j)?, *change.after.get(j)?);
-                Some(ChangedParameter { name: parameter.name.clone(), before, before_std, after, after_std })
+                Some(ChangedParameter {
+                    name: parameter.name.clone(),
+                    before: change.before.value(j)?,
+                    before_std: change.before.std(j)?,
+                    after: change.after.value(j)?,
+                    after_std: change.after.std(j)?,
+                    difference_std: change.before.difference_std(&change.after, j)?,
+                    random_std: change.before.random_std(&change.after, j)?,
+                })
             })
             .collect(),
     };

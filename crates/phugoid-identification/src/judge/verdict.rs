@@ -369,12 +369,14 @@ fn before_and_after(change: &AdoptedChange, contradicted: bool) -> String {
         .iter()
         .map(|p| {
             format!(
-                "{} {:.4} ± {:.2e} -> {:.4} ± {:.2e}",
+                "{} {:.4} ± {:.2e} -> {:.4} ± {:.2e} (by {:+.4} ± {:.2e})",
                 p.name,
                 p.before,
                 2.0 * p.before_std,
                 p.after,
-                2.0 * p.after_std
+                2.0 * p.after_std,
+                p.after - p.before,
+                2.0 * p.difference_std
             )
         })
         .collect();

@@ -495,7 +495,6 @@ fn column<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
     ColumnRun {
         values: vec![value; samples],
         std_errors: vec![corrected_with; samples],
-        systematic_stds: vec![systematic; samples],
         surfaces: vec![0.0; samples],
         value,
         std_error,

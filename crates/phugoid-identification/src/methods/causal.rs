@@ -23,7 +23,6 @@ pub(super) fn run_causal<M: Motion<N, R>, const N: usize, const R: usize>(
     let blank = ColumnRun {
         values: Vec::with_capacity(samples),
         std_errors: Vec::with_capacity(samples),
-        systematic_stds: Vec::with_capacity(samples),
         surfaces: Vec::with_capacity(samples),
         value: 0.0,
         std_error: 0.0,
@@ -67,7 +66,6 @@ pub(super) fn run_causal<M: Motion<N, R>, const N: usize, const R: usize>(
         for (j, column) in run.columns.iter_mut().enumerate() {
             column.values.push(shown.parameters[j]);
             column.std_errors.push(shown.corrected_std_error[j]);
-            column.systematic_stds.push(shown.systematic_std[j]);
             column.surfaces.push(surfaces[j]);
         }
         let phase = shown.status.phase;

@@ -4,6 +4,7 @@ use std::collections::VecDeque;
 
 use phugoid_estimators::{ChangeState, Estimate};
 
+use super::snapshot::Snapshot;
 use super::task::RunChange;
 use crate::core::estimation::ChangeOutcome;
 use crate::core::options::Opens;
@@ -15,29 +16,38 @@ const SUSPECTED_LATE_S: f64 = 1.0;
 /// Estimates are remembered this far apart, s.
 const REMEMBERED_S: f64 = 0.25;
 
-/// Value and corrected standard error by column.
-type Values = Vec<[f64; 2]>;
-
 /// Follows the estimates and notes what each adopted change has changed.
 #[derive(Default)]
 pub(super) struct Changes {
     /// What was estimated when no change was in doubt last.
-    undoubted: Values,
+    undoubted: Snapshot,
     /// The same at earlier times, s, in order: the first one is the last that is older than [`SUSPECTED_LATE_S`].
-    earlier: VecDeque<(f64, Values)>,
+    earlier: VecDeque<(f64, Snapshot)>,
     /// What was estimated before the change that is suspected; none while none is.
-    before_suspicion: Option<Values>,
+    before_suspicion: Option<Snapshot>,
     found: Vec<RunChange>,
 }
 
 impl Changes {
-    /// Takes an estimate as it is shown, of which `columns` are in use. `opens` is what an adopted change has opened.
-    pub(super) fn look<const P: usize>(&mut self, estimate: &Estimate<P>, time_s: f64, columns: usize, opens: Opens) {
+    /// Takes an estimate without the declared part of its errors, of which `columns` are in use. `opens` is what an adopted change
+    /// has opened; `declare` writes what each declared constant does to each column ([`Snapshot::take`]).
+    pub(super) fn look<const P: usize>(
+        &mut self,
+        estimate: &Estimate<P>,
+        time_s: f64,
+        columns: usize,
+        opens: Opens,
+        declare: impl Fn(&mut Vec<f64>),
+    ) {
         let values = || {
             let errors = &estimate.corrected_std_error[..columns];
             estimate.parameters[..columns].iter().zip(errors).map(|(value, std)| [*value, *std])
         };
-        let now = || -> Values { values().collect() };
+        let now = || {
+            let mut now = Snapshot::default();
+            now.take(values(), &declare);
+            now
+        };
         match estimate.status.change {
             ChangeState::Adopted => {
                 // A given change was not suspected: the values of the sample before it are those before it.
@@ -63,8 +73,7 @@ impl Changes {
         }
         if matches!(estimate.status.change, ChangeState::Steady | ChangeState::OnProbation) {
             self.before_suspicion = None;
-            self.undoubted.clear();
-            self.undoubted.extend(values());
+            self.undoubted.take(values(), &declare);
             self.remember(time_s);
         }
     }

@@ -317,7 +317,20 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> Ca
         self.watch.look(&estimate, sample.time_s, self.estimator.restarts(), events);
         if !self.waiting {
             let columns = self.columns();
-            self.changes.look(&estimate, sample.time_s, columns, opened);
+            let Self { changes, estimator, variances, by_powers, .. } = self;
+            changes.look(&estimate, sample.time_s, columns, opened, |out| {
+                for (j, value) in estimate.parameters[..columns].iter().enumerate() {
+                    match estimator.error_by_constant(j) {
+                        // The errors are those of the truth against the estimate.
+                        Some(errors) => {
+                            out.extend(errors.iter().zip(&*variances).map(|(e, variance)| -e * variance.sqrt()))
+                        }
+                        None => {
+                            out.extend(by_powers.get(j).into_iter().flat_map(|powers| powers.effects(*value)).flatten())
+                        }
+                    }
+                }
+            });
             for j in 0..columns {
                 self.systematic_std[j] = self.systematic(j, estimate.parameters[j]);
                 estimate.corrected_std_error[j] = estimate.corrected_std_error[j].hypot(self.systematic_std[j]);

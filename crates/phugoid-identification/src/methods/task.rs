@@ -5,6 +5,7 @@ use phugoid_estimators::{DetectorReport, Innovations, ParameterStatus, Phase, St
 use super::consistency::OutputUse;
 use super::health_watch::HealthRun;
 use super::readiness::ColumnVerdict;
+use super::snapshot::Snapshot;
 use crate::core::estimation::{BatchReport, ChangeOutcome, Event, SecondAnswer};
 use crate::core::health::HealthOptions;
 use crate::core::method::Method;
@@ -77,7 +78,7 @@ impl<const R: usize> Run<R> {
     }
 }
 
-/// An adopted change: value and corrected standard error by column before and after it.
+/// An adopted change, and what was estimated before and after it.
 #[derive(Clone, Debug)]
 pub(crate) struct RunChange {
     pub(crate) time_s: f64,
@@ -86,8 +87,8 @@ pub(crate) struct RunChange {
     /// The parameters that may have changed.
     pub(crate) opens: Opens,
     pub(crate) outcome: ChangeOutcome,
-    pub(crate) before: Vec<[f64; 2]>,
-    pub(crate) after: Vec<[f64; 2]>,
+    pub(crate) before: Snapshot,
+    pub(crate) after: Snapshot,
 }
 
 /// The noise levels at the end of a run that has learnt them.
@@ -106,8 +107,6 @@ pub(crate) struct ColumnRun {
     pub(crate) values: Vec<f64>,
     /// By sample, corrected for the colour of the residuals.
     pub(crate) std_errors: Vec<f64>,
-    /// The part of them that the model file declares, by sample.
-    pub(crate) systematic_stds: Vec<f64>,
     /// Correction that the estimator would have liked to make at each sample, in the parameter's unit, for display.
     pub(crate) surfaces: Vec<f64>,
     /// The rest: at the end.

@@ -41,14 +41,20 @@ impl ByPowers {
     /// Of nothing that is declared.
     pub(crate) const NONE: Self = Self { parts: [0.0; COUNT], shifts: [0.0; COUNT], database: 0.0 };
 
+    /// What one standard uncertainty of each quantity does, where the parameter has a value: estimate less truth, in the order of
+    /// [`UncertainQuantity::ALL`]; then what it does whatever the value is.
+    pub(crate) fn effects(&self, value: f64) -> [[f64; COUNT]; 2] {
+        // A sensor that shows too much makes the regressor too large, and the derivative too small by as much.
+        [self.parts.map(|part| -part * (self.database + value)), self.shifts]
+    }
+
     /// What each quantity does, where the parameter has a value.
     fn by_quantity(&self, value: f64) -> ByQuantity {
-        let whole = self.database + value;
+        let [effects, shifts] = self.effects(value);
         let mut all = ByQuantity::default();
         for (k, quantity) in UncertainQuantity::ALL.into_iter().enumerate() {
-            // A sensor that shows too much makes the regressor too large, and the derivative too small by as much.
-            all.add(quantity, -self.parts[k] * whole);
-            all.add(quantity, self.shifts[k]);
+            all.add(quantity, effects[k]);
+            all.add(quantity, shifts[k]);
         }
         all
     }

@@ -117,7 +117,15 @@ fn before_and_after_of_a_change_and_a_second_method_stand_side_by_side() {
     let mut given = estimation(&jet());
     assert!(!page(&given).contains("Changes adopted in flight") && !page(&given).contains("By two methods"));
     let name = given.parameters[0].name.clone();
-    let small = ChangedParameter { name: name.clone(), before: -0.5, before_std: 0.03, after: -0.51, after_std: 0.04 };
+    let small = ChangedParameter {
+        name: name.clone(),
+        before: -0.5,
+        before_std: 0.03,
+        after: -0.51,
+        after_std: 0.04,
+        difference_std: 0.05,
+        random_std: 0.05,
+    };
     let large = ChangedParameter { before: -0.5, after: -1.0, name: given.parameters[1].name.clone(), ..small.clone() };
     given.changes = vec![AdoptedChange {
         time_s: 4.56,
@@ -152,7 +160,15 @@ fn a_change_that_is_none_has_no_time() {
         interval_s: Some([4.2, 4.8]),
         opens: Opens::Constants,
         outcome: ChangeOutcome::ExplainedByTerm,
-        parameters: vec![ChangedParameter { name, before: -0.5, before_std: 0.03, after: -0.9, after_std: 0.04 }],
+        parameters: vec![ChangedParameter {
+            name,
+            before: -0.5,
+            before_std: 0.03,
+            after: -0.9,
+            after_std: 0.04,
+            difference_std: 0.05,
+            random_std: 0.05,
+        }],
     }];
     let page = page(&given);
     let changes = page.split("<section id=\"changes\">").nth(1).unwrap().split("</section>").next().unwrap();
