@@ -4,12 +4,17 @@
 //! after 2, 4, 8, 16 and 32 s, and 4 s after the first motion, a second one starts again from the first sample with the
 //! levels that the first has learnt by then, works off what has been flown some samples at a time, and takes its place
 //! when it has caught up. No future data are used. Looking more often made the estimates of foreign flights worse.
+//!
+//! The second filter looks for changes of the aircraft by itself. Where it has found fewer than the running one has adopted, either those
+//! were none, or it has missed one, and then its parameters are a mixture of before and after with bounds that know nothing of it. What
+//! came after the last adoption tells which: the one that has predicted it better stays.
 
 use phugoid_estimators::levels::{LearntLevels, NoiseReport};
 use phugoid_estimators::settings::EstimatorSettings;
-use phugoid_estimators::{ChangeState, Estimate, Input, Sample};
+use phugoid_estimators::{ChangeState, Estimate, Innovations, Input, Sample};
 
 use super::table::Boxed;
+use super::task::log_density;
 use crate::core::error::EstimateError;
 
 /// Times since the first sample at which a replay is looked at, s.
@@ -29,6 +34,8 @@ const SCALE_RATIO: f64 = std::f64::consts::E;
 struct CatchingUp<I: Input, const R: usize, const P: usize> {
     estimator: Boxed<I, R, P>,
     next: usize,
+    /// How well it has predicted what came after the running filter's last adoption, nats.
+    merit: f64,
     /// The estimate after the last sample it has taken.
     estimate: Option<Estimate<P>>,
 }
@@ -41,6 +48,10 @@ pub(super) struct Replay<I: Input, const N: usize, const R: usize, const P: usiz
     looks_s: Vec<f64>,
     last: Option<NoiseReport<R>>,
     catching_up: Option<CatchingUp<I, R, P>>,
+    /// When the running filter last adopted a change, s; before any at minus infinity.
+    adopted_s: f64,
+    /// How well it has predicted what came after that, nats.
+    merit: f64,
     /// A replay has been made.
     done: bool,
 }
@@ -53,6 +64,8 @@ impl<I: Input, const N: usize, const R: usize, const P: usize> Replay<I, N, R, P
             looks_s: LOOKS_S.to_vec(),
             last: None,
             catching_up: None,
+            adopted_s: f64::NEG_INFINITY,
+            merit: 0.0,
             done: false,
         }
     }
@@ -77,7 +90,7 @@ impl<I: Input, const N: usize, const R: usize, const P: usize> Replay<I, N, R, P
         self.opened.push((self.samples.len(), columns));
     }
 
-    /// Takes the sample that `estimator` has just taken, with the estimate that it gave. Gives the filter that takes its
+    /// Takes the sample that the `running` filter has just taken, with the estimate that it gave. Gives the filter that takes its
     /// place, and its estimate, when that has caught up. `set_up` makes one with these settings.
     ///
     /// # Errors
@@ -87,7 +100,7 @@ impl<I: Input, const N: usize, const R: usize, const P: usize> Replay<I, N, R, P
         &mut self,
         sample: &Sample<I, R>,
         estimate: &Estimate<P>,
-        noise: impl FnOnce() -> Option<NoiseReport<R>>,
+        running: &Boxed<I, R, P>,
         settings: &EstimatorSettings<N, R, P>,
         set_up: impl FnOnce(&EstimatorSettings<N, R, P>) -> Result<Boxed<I, R, P>, EstimateError>,
     ) -> Result<Option<(Boxed<I, R, P>, Estimate<P>)>, EstimateError> {
@@ -97,17 +110,21 @@ impl<I: Input, const N: usize, const R: usize, const P: usize> Replay<I, N, R, P
         if self.samples.last().is_none_or(|last| sample.time_s > last.time_s) {
             self.samples.push(*sample);
         }
+        if estimate.status.change == ChangeState::Adopted {
+            self.begin_comparison(sample.time_s);
+        } else if sample.time_s > self.adopted_s {
+            self.merit += merit(running.innovations());
+        }
         let elapsed_s = sample.time_s - self.samples[0].time_s;
         let in_doubt = estimate.status.change == ChangeState::InDoubt;
         if self.catching_up.is_none() && !in_doubt && self.looks_s.first().is_some_and(|look_s| elapsed_s >= *look_s) {
             self.looks_s.retain(|look_s| elapsed_s < *look_s);
-            let noise = noise();
-            if let Some((report, learnt)) = noise.and_then(|report| Some((report, report.learnt?)))
+            if let Some((report, learnt)) = running.noise().and_then(|report| Some((report, report.learnt?)))
                 && self.last.as_ref().is_none_or(|last| has_moved(last, &report))
             {
                 self.last = Some(report);
                 let estimator = set_up(&with_known(settings, &report, learnt, sample.time_s))?;
-                self.catching_up = Some(CatchingUp { estimator, next: 0, estimate: None });
+                self.catching_up = Some(CatchingUp { estimator, next: 0, merit: 0.0, estimate: None });
             }
         }
         if let Some(second) = &mut self.catching_up {
@@ -118,22 +135,48 @@ impl<I: Input, const N: usize, const R: usize, const P: usize> Replay<I, N, R, P
                 }
                 second.estimate = Some(second.estimator.update(sample));
                 second.next += 1;
+                if sample.time_s > self.adopted_s {
+                    second.merit += merit(second.estimator.innovations());
+                }
             }
             let caught_up = second.next == self.samples.len() && !in_doubt;
             let estimate = second.estimate.filter(|e| caught_up && e.status.change != ChangeState::InDoubt);
             if let Some(estimate) = estimate
                 && let Some(second) = self.catching_up.take()
             {
-                self.done = true;
                 if self.looks_s.is_empty() {
                     // Nothing will be worked off again.
                     self.samples = Vec::new();
                 }
+                if adoptions(&second.estimator) < adoptions(running) && second.merit < self.merit {
+                    return Ok(None);
+                }
+                self.done = true;
+                self.begin_comparison(sample.time_s);
                 return Ok(Some((second.estimator, estimate)));
             }
         }
         Ok(None)
     }
+
+    /// What came before this time (s) does not count in the comparison of two filters. A second one has not seen it yet.
+    fn begin_comparison(&mut self, time_s: f64) {
+        self.adopted_s = time_s;
+        self.merit = 0.0;
+        if let Some(second) = &mut self.catching_up {
+            second.merit = 0.0;
+        }
+    }
+}
+
+/// Changes that a filter has adopted and not taken back.
+pub(super) fn adoptions<I: Input, const R: usize, const P: usize>(of: &Boxed<I, R, P>) -> u32 {
+    of.detector().map_or(0, |detector| detector.adoptions)
+}
+
+/// How well a frame was predicted, nats.
+fn merit<const R: usize>(innovations: &Innovations<R>) -> f64 {
+    log_density(innovations).iter().filter(|nats| nats.is_finite()).sum()
 }
 
 /// Settings for a filter that uses what was learnt until `until_s` as it is, and goes on learning from there.
@@ -159,4 +202,119 @@ fn has_moved<const R: usize>(last: &NoiseReport<R>, now: &NoiseReport<R>) -> boo
     let beyond = |(a, b): (&f64, &f64)| *a > LEVEL_RATIO * b || *b > LEVEL_RATIO * a;
     let scales = last.learnt.zip(now.learnt).map_or(1.0, |(last, now)| last.largest_scale_ratio(&now));
     scales > SCALE_RATIO || last.std.iter().zip(&now.std).any(beyond)
+}
+
+#[cfg(test)]
+mod tests {
+    use phugoid_estimators::settings::ParameterPrior;
+    use phugoid_estimators::{DetectorReport, Estimator, Inspect, Status};
+
+    use super::*;
+
+    /// A filter whose innovations are always these, and which has adopted so many changes.
+    struct Filter {
+        innovations: Innovations<1>,
+        adoptions: u32,
+        change: ChangeState,
+    }
+
+    impl Filter {
+        fn boxed(innovation: f64, adoptions: u32) -> Boxed<[f64; 1], 1, 1> {
+            let innovations = Innovations {
+                predicted: [0.0],
+                normalised: [innovation],
+                whitened: [innovation],
+                variance: [1.0],
+                phase: [phugoid_estimators::RowPhase::Sliding],
+            };
+            Box::new(Self { innovations, adoptions, change: ChangeState::Steady })
+        }
+    }
+
+    impl Estimator<1, 1> for Filter {
+        type Input = [f64; 1];
+
+        fn update(&mut self, sample: &Sample<[f64; 1], 1>) -> Estimate<1> {
+            estimate(sample.time_s, self.change)
+        }
+
+        fn covariance(&self, _: &mut [[f64; 1]; 1]) {}
+    }
+
+    impl Inspect<1, 1> for Filter {
+        fn column_count(&self) -> usize {
+            1
+        }
+
+        fn prior_std(&self) -> &[f64; 1] {
+            &[1.0]
+        }
+
+        fn innovations(&self) -> &Innovations<1> {
+            &self.innovations
+        }
+
+        fn detector(&self) -> Option<DetectorReport> {
+            Some(DetectorReport { adoptions: self.adoptions, ..DetectorReport::default() })
+        }
+    }
+
+    fn estimate(time_s: f64, change: ChangeState) -> Estimate<1> {
+        Estimate {
+            time_s,
+            parameters: [0.0],
+            std_error: [1.0],
+            corrected_std_error: [1.0],
+            observability: [0.0],
+            parameter_status: [phugoid_estimators::ParameterStatus::Improving],
+            status: Status { change, ..Status::default() },
+        }
+    }
+
+    /// Whether a second filter takes the place of a running one that has adopted a change at 1 s; each is given by its innovation and by
+    /// the changes that it has found. Before the change the second one predicts worse, which does not count.
+    fn takes_its_place(running: (f64, u32), second: (f64, u32)) -> bool {
+        let mut replay = Replay::<[f64; 1], 1, 1, 1>::new();
+        replay.looks_s.clear();
+        let catching_up = |innovation| CatchingUp {
+            estimator: Filter::boxed(innovation, second.1),
+            next: 0,
+            merit: 0.0,
+            estimate: None,
+        };
+        let settings = EstimatorSettings::automatic(&[ParameterPrior::bounded(0.0, -1.0, 1.0)], [1.0], 0.1).unwrap();
+        let running = Filter::boxed(running.0, running.1);
+        for k in 0..40 {
+            let sample = Sample { time_s: 0.1 * f64::from(k), input: [0.0], outputs: [0.0] };
+            if k == 0 {
+                replay.catching_up = Some(catching_up(3.0));
+                // As if it had much to work off: it sees the present from the end on.
+                replay.samples = vec![sample; 150];
+                for (k, old) in replay.samples.iter_mut().enumerate() {
+                    old.time_s = -15.0 + 0.1 * k as f64;
+                }
+            }
+            let change = if k == 10 { ChangeState::Adopted } else { ChangeState::Steady };
+            if k == 11
+                && let Some(catching) = &mut replay.catching_up
+            {
+                catching.estimator = Filter::boxed(second.0, second.1);
+            }
+            let found = replay.take(&sample, &estimate(sample.time_s, change), &running, &settings, |_| unreachable!());
+            if replay.catching_up.is_none() {
+                assert!(k > 15, "caught up at {k}");
+                return found.unwrap().is_some();
+            }
+        }
+        panic!("it did not catch up");
+    }
+
+    /// A filter that has not found a change takes the place of one that has only where it predicts better without it.
+    #[test]
+    fn an_adopted_change_is_not_forgotten() {
+        assert!(!takes_its_place((1.0, 1), (2.0, 0)));
+        assert!(takes_its_place((2.0, 1), (1.0, 0)));
+        // Of as many changes or more nothing is asked: noise levels that were learnt are the better ones.
+        assert!(takes_its_place((1.0, 1), (2.0, 1)) && takes_its_place((1.0, 0), (2.0, 1)));
+    }
 }

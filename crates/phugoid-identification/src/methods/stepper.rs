@@ -10,7 +10,7 @@ use super::changes::Changes;
 use super::gate::{Gated, GatedInput, SurfaceRates, open};
 use super::health_watch::{HealthRun, Monitoring};
 use super::readiness::{ColumnVerdict, ReadinessWatch};
-use super::replay::Replay;
+use super::replay::{Replay, adoptions};
 use super::settings::{learning, shared_settings};
 use super::table::{Boxed, SetUp};
 use super::task::{RunChange, Task};
@@ -228,11 +228,11 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> St
         let Self { replay, estimator, settings, set_up, method, gated, file, watch, changes, .. } = self;
         let Some(replay) = replay else { return Ok(()) };
         let set_up = |own: &EstimatorSettings<N, R, P>| set_up(*method, gated.clone(), own, file.aircraft.gravity);
-        if let Some((second, its)) = replay.take(sample, estimate, || estimator.noise(), settings, set_up)? {
+        if let Some((second, its)) = replay.take(sample, estimate, estimator, settings, set_up)? {
             *estimator = second;
             *estimate = its;
             watch.restarts = estimator.restarts();
-            changes.keep(estimator.detector().map_or(0, |detector| detector.adoptions) as usize);
+            changes.keep(adoptions(estimator) as usize);
         }
         Ok(())
     }
