@@ -11,11 +11,20 @@
 use phugoid_control::local::{ALPHA, BETA, LocalModel};
 use phugoid_control::lost::Lost;
 use phugoid_evaluation::monte_carlo::monte_carlo;
+use phugoid_flight_dynamics::aircraft::{Aircraft, Controls, State};
+use phugoid_flight_dynamics::linearize::linearize;
+use phugoid_flight_dynamics::motion::Disturbance;
 use phugoid_identification::model_file::ModelFile;
 use phugoid_recovery::flight::{Control, Kind, RecoveryFlight, Settings, fly};
+use phugoid_recovery::known::local_model;
+use phugoid_simulation::flight::{later_aircraft, trimmed_aircraft};
 use phugoid_simulation::scenario::Scenario;
 
 const DAMAGE_AT_S: f64 = 15.0;
+/// Length of the model over that of the aircraft that it stands for, as in the scenario.
+const SCALE: f64 = 0.055;
+/// The derivatives that are asked for: axis and feedback variable of Cn_beta, Cm_alpha and Cl_alpha.
+const ASKED: [[usize; 2]; 3] = [[2, BETA], [1, ALPHA], [0, ALPHA]];
 /// The words of the damages, and what each is called rightly.
 const DAMAGES: [(&str, Lost); 6] = [
     ("rudder-off", Lost::Rudder),
@@ -36,8 +45,9 @@ struct Told {
     explained: bool,
     /// Margins of surfaces that are beyond four standard errors.
     margins_wrong: bool,
-    /// Estimate less truth over the standard error: Cn_beta, Cm_alpha, Cl_alpha.
-    errors: [f64; 3],
+    /// Estimate less truth over the standard error, of the derivatives that are [`ASKED`] for. The truth is the slope at the trim in the
+    /// first, and the mean of the slopes over what was flown after the damage in the second.
+    errors: [[f64; 3]; 2],
     departed_at_s: Option<f64>,
     recovered: [bool; 4],
 }
@@ -51,7 +61,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let folder = std::fs::canonicalize(folder)?;
     let model = ModelFile::parse("model.toml", MODEL)?;
     println!(
-        "damage                 flights  doubt  adopted after, s  named  wrongly  none of  covered: Cn_beta Cm_alpha Cl_alpha  level 1 or 2: fixed robust adaptive oracle  unexplained  margins wrong  silently"
+        "damage                 flights  doubt  adopted after, s  named  wrongly  none of  covered, mean slopes of what was flown: Cn_beta Cm_alpha Cl_alpha  slopes at the trim: Cn_beta Cm_alpha Cl_alpha  level 1 or 2: fixed robust adaptive oracle  unexplained  margins wrong  silently"
     );
     for (word, part) in DAMAGES {
         let one = |run: usize| -> Result<Told, String> {
@@ -81,10 +91,12 @@ fn told(scenario: &Scenario, model: &ModelFile) -> Result<Told, String> {
     }
     let flight = adaptive.ok_or("no flight with adaptive control")?;
     let adopted = |from: f64| flight.events.iter().find(|e| e.kind == Kind::Adopted && e.time_s >= from);
+    let flown = flown_slopes(scenario, &flight)?;
     let found = flight.estimate.as_ref();
-    let error = |of: fn(&LocalModel) -> f64| {
-        found.map_or(f64::NAN, |found| (of(&found.model) - of(&flight.truth.model)) / of(&found.std_error))
+    let error = |[axis, variable]: [usize; 2], truth: f64| {
+        found.map_or(f64::NAN, |f| (f.model.rates[axis][variable] - truth) / f.std_error.rates[axis][variable])
     };
+    let at_trim = ASKED.map(|[axis, variable]| flight.truth.model.rates[axis][variable]);
     let departed = flight.events.iter().find(|e| e.kind == Kind::Departed);
     Ok(Told {
         detected_s: adopted(DAMAGE_AT_S).map(|e| e.time_s - DAMAGE_AT_S),
@@ -95,10 +107,48 @@ fn told(scenario: &Scenario, model: &ModelFile) -> Result<Told, String> {
             let pairs = left.margins.iter().zip(&flight.truly_left.margins);
             pairs.filter(|(m, _)| m.is_used).any(|(m, truth)| (m.trim - truth.trim).abs() > 4.0 * m.std_error)
         }),
-        errors: [error(|m| m.rates[2][BETA]), error(|m| m.rates[1][ALPHA]), error(|m| m.rates[0][ALPHA])],
+        errors: [at_trim, flown].map(|truth| std::array::from_fn(|k| error(ASKED[k], truth[k]))),
         departed_at_s: departed.map(|e| e.time_s),
         recovered,
     })
+}
+
+/// Mean of the true slopes that are asked for over what was flown after the damage, at full size and at the speed at the end. The tables are
+/// straight lines between their points; in a flight that goes to and fro over a point the slope at the trim is that of one side.
+fn flown_slopes(scenario: &Scenario, flight: &RecoveryFlight) -> Result<[f64; 3], String> {
+    // The slopes of a tenth of a second are alike, and the state of the damaged aircraft begins with the sample after the damage.
+    const EVERY: usize = 10;
+    let (aircraft, trim) = trimmed_aircraft(scenario).map_err(|e| e.to_string())?;
+    let later = later_aircraft(scenario, &aircraft).map_err(|e| e.to_string())?.ok_or("no damage")?;
+    let damaged = later.change().aircraft;
+    let h = &flight.history;
+    let end = h.speed.last().copied().unwrap_or(f64::NAN);
+    let (mut sum, mut count) = ([0.0; 3], 0.0);
+    for k in (0..h.time_s.len()).filter(|k| h.time_s[*k] > DAMAGE_AT_S).step_by(EVERY) {
+        let state = State {
+            speed: h.speed[k],
+            altitude: h.altitude[k],
+            alpha: h.alpha[k],
+            beta: h.beta[k],
+            phi: h.phi[k],
+            theta: h.theta[k],
+            p: h.rates[0][k],
+            q: h.rates[1][k],
+            r: h.rates[2][k],
+            ..trim.state()
+        };
+        let [elevator, aileron, rudder] = std::array::from_fn(|j| h.surfaces[j][k]);
+        let controls = Controls { elevator, aileron, rudder, ..trim.controls() };
+        let linear = linearize(damaged, &state, &controls, &Disturbance::default());
+        let model: LocalModel = local_model(&linear, state.alpha, state.speed, damaged.gravity());
+        // Moments go with the square of the speed; at full size they turn the aircraft more slowly.
+        let scaled = SCALE * (end / state.speed).powi(2);
+        for (sum, [axis, variable]) in sum.iter_mut().zip(ASKED) {
+            *sum += scaled * model.rates[axis][variable];
+        }
+        count += 1.0;
+    }
+    Ok(sum.map(|sum| sum / count))
 }
 
 fn print_row(word: &str, part: Lost, told: &[Told]) {
@@ -110,17 +160,21 @@ fn print_row(word: &str, part: Lost, told: &[Told]) {
     let wrong = |t: &Told| matches!(t.named, Some((Some(_), ..))) && !right(t);
     let none = |t: &Told| matches!(t.named, Some((None, ..)));
     let flown: Vec<&Told> = told.iter().filter(|t| t.departed_at_s.is_none()).collect();
-    let covered = |k: usize| flown.iter().filter(|t| t.errors[k].abs() <= 2.0).count();
+    let covered = |of: usize, k: usize| flown.iter().filter(|t| t.errors[of][k].abs() <= 2.0).count();
     println!(
-        "{word:22} {:7}  {:5}  {median:16.2}  {:5}  {:7}  {:7}  {:>15} {:8} {:8} of {:<3} {:>20} {:6} {:8} {:6} {:12} {:14} {:9}",
+        "{word:22} {:7}  {:5}  {median:16.2}  {:5}  {:7}  {:7}  {:>46} {:8} {:8} of {:<3} {:>25} {:8} {:8} of {:<3} {:>20} {:6} {:8} {:6} {:12} {:14} {:9}",
         told.len(),
         count(&|t| t.early),
         count(&right),
         count(&wrong),
         count(&none),
-        covered(0),
-        covered(1),
-        covered(2),
+        covered(1, 0),
+        covered(1, 1),
+        covered(1, 2),
+        flown.len(),
+        covered(0, 0),
+        covered(0, 1),
+        covered(0, 2),
         flown.len(),
         count(&|t| t.recovered[0]),
         count(&|t| t.recovered[1]),

@@ -9,6 +9,7 @@ use phugoid_identification::model_file::{ModelFile, RateSpeed, ReferenceValue, R
 use phugoid_identification::rigid::MassInput;
 use phugoid_identification::term::{Coefficient, FACTORS, Term, Variable};
 
+use crate::forces::THRUST;
 use crate::known::{Declared, Increment, Reach, add, with_declared};
 use crate::polar::{Condition, Instant, Polar};
 
@@ -19,6 +20,8 @@ pub struct Body {
     mass: MassProperties,
     geometry: Geometry,
     gravity: f64,
+    /// Pitching moment per newton of thrust, m.
+    thrust_arm: f64,
     /// Speed of `v_hat`, m/s; NaN where no term has it.
     reference_speed: f64,
     /// Whether rates are made dimensionless with the reference speed in place of the airspeed.
@@ -51,7 +54,7 @@ impl Body {
     ///
     /// # Errors
     /// In words: what is missing or not constant, and what the local model of a control law does not have (terms of the rate of the angle of
-    /// attack or of other inputs, moments of the thrust line, spinning rotors), so that it would be left out silently.
+    /// attack or of other inputs, spinning rotors), so that it would be left out silently.
     pub fn of(model: &ModelFile) -> Result<Self, String> {
         let aircraft = &model.aircraft;
         let constant = |name: &str, source: Option<&Source>| match source {
@@ -70,10 +73,8 @@ impl Body {
             izz: constant("izz", aircraft.izz.as_ref())?,
             ixz: constant("ixz", aircraft.ixz.as_ref())?,
         };
-        for (name, value) in [("thrust_arm", aircraft.thrust_arm), ("rotor_momentum", aircraft.rotor_momentum)] {
-            if value != 0.0 {
-                return Err(format!("`{name}` makes moments that a control law does not know: leave it out"));
-            }
+        if aircraft.rotor_momentum != 0.0 {
+            return Err("`rotor_momentum` makes moments that a control law does not know: leave it out".to_owned());
         }
         let mut terms = Vec::new();
         for parameter in &model.parameters {
@@ -106,6 +107,7 @@ impl Body {
                 cg_reference: 0.25,
             },
             gravity: aircraft.gravity,
+            thrust_arm: aircraft.thrust_arm,
             reference_speed: aircraft.reference_speed.unwrap_or(f64::NAN),
             rates_by_reference: model.rate_speed == RateSpeed::Reference,
             reference: [
@@ -144,8 +146,9 @@ impl Body {
     }
 }
 
-/// The estimate of an aircraft whose aerodynamics are the parameters alone, at the trim's attitude, at an airspeed (m/s) and air
-/// density (kg/m^3). Terms that are not linear count with their slope there.
+/// The estimate of an aircraft whose aerodynamics are the parameters alone, at the trim's attitude, at an airspeed (m/s), air
+/// density (kg/m^3) and thrust (N). Terms that are not linear count with their slope there. The moment of a thrust line beside the centre
+/// of gravity is a part of what is out of trim.
 ///
 /// To first order in the variables, for nearly level flight: `Za = -qbar S/(m V) (CL_alpha + CD)`, `Yb = qbar S/(m V) CY_beta`, and
 /// the moments by the inverse of the inertia (B. L. Stevens, F. L. Lewis, *Aircraft Control and Simulation*, section 3.7).
@@ -156,6 +159,7 @@ pub fn whole(
     declared: &Declared,
     speed: f64,
     density: f64,
+    thrust: f64,
 ) -> Estimate {
     let rate_speed = if body.rates_by_reference { body.reference_speed } else { speed };
     let reach = Reach::new(&body.geometry, &body.mass, density, speed, rate_speed);
@@ -177,6 +181,14 @@ pub fn whole(
                 let scaled = Increment { name: String::new(), value: value * part, std_error: std_error * part.abs() };
                 add(&mut model, &mut variance, &reach, coefficient.symbol(), variable, &scaled, true);
             }
+        }
+    }
+    if body.thrust_arm != 0.0 {
+        let inverse = body.mass.inverse_inertia();
+        for i in 0..AXES {
+            let by_thrust = inverse[i][1] * body.thrust_arm * thrust;
+            model.constant[i] += by_thrust;
+            variance.constant[i] += (THRUST * by_thrust).powi(2);
         }
     }
     with_declared(model, variance, declared, trim)
@@ -274,11 +286,12 @@ mod tests {
     const MODEL: &str = include_str!("../examples/transport/model.toml");
 
     /// The model file as an aircraft of its own, linearised, has the motion that its parameters make: with offsets, with terms that
-    /// are not linear, and with rates by the reference speed.
+    /// are not linear, with rates by the reference speed, and with a thrust line below the centre of gravity.
     #[test]
     fn parameters_alone_give_the_motion_of_their_aircraft() {
         let text = MODEL
             .replace("thrust = { channel = \"thrust\" }", "thrust = 0\nreference_speed = \"40 m/s\"")
+            .replace("[coefficients]", "[simulation]\nlargest_thrust = \"80 N\"\n[coefficients]")
             .replace("Cm = [\"1\", ", "offsets = true\nCm = [")
             .replace("Cm_0 = { start = 0.0", "offset_Cm = { start = 0.01")
             .replace("input = \"interpolated\"", "input = \"interpolated\"\nrate_speed = \"reference\"");
@@ -295,7 +308,16 @@ mod tests {
         let density = aircraft.atmosphere().at(300.0).density;
         let body = Body::of(&model).unwrap();
         let known: Vec<Increment> = known.collect();
-        let found = whole(&body, &known, &trim, &Declared::UNSTATED, 46.0, density).model;
+        let mach = 46.0 / aircraft.atmosphere().at(300.0).speed_of_sound;
+        let thrust = aircraft.propulsion(state.power, 300.0, mach).thrust();
+        assert!(thrust > 10.0 && model.aircraft.thrust_arm > 0.1, "{thrust}");
+        let estimate = whole(&body, &known, &trim, &Declared::UNSTATED, 46.0, density, thrust);
+        // The thrust is known to a twentieth, and what it turns the nose by with it.
+        let without = whole(&body, &known, &trim, &Declared::UNSTATED, 46.0, density, 0.0);
+        let by_thrust = estimate.model.constant[1] - without.model.constant[1];
+        let spread = (estimate.std_error.constant[1].powi(2) - without.std_error.constant[1].powi(2)).sqrt();
+        assert!((spread - 0.05 * by_thrust).abs() < 1e-9 && by_thrust > 0.1, "{spread} {by_thrust}");
+        let found = estimate.model;
         let is_near = |found: f64, truth: f64, of: &str| {
             assert!((found - truth).abs() < 1e-9 * (1.0 + truth.abs()), "{of}: {found} {truth}");
         };
@@ -325,8 +347,8 @@ mod tests {
         let flap = flap.replacen("input =", "inputs = [\"flap\"]\ninput =", 1);
         let found = Body::of(&ModelFile::parse("model.toml", &flap).unwrap()).unwrap_err();
         assert!(found.contains("multiplies `flap`"), "{found}");
-        let found = refused("[reference]", "thrust_arm = \"0.1 m\"\n[reference]");
-        assert!(found.contains("thrust_arm"), "{found}");
+        let found = refused("[reference]", "rotor_momentum = \"0.1 kg*m^2/s\"\n[reference]");
+        assert!(found.contains("rotor_momentum"), "{found}");
         let found = refused("ixx = \"1.6554 kg*m^2\"", "ixx = { channel = \"ixx\" }");
         assert!(found.contains("`ixx` comes from a channel"), "{found}");
     }

@@ -121,13 +121,18 @@ impl Rigid {
         }
     }
 
+    /// Thrust at an instant, N; NaN where it was not measured and has to be.
+    pub(crate) fn thrust(&self, felt: &Felt) -> f64 {
+        match self.thrust {
+            Pull::Constant(thrust) => thrust,
+            Pull::Measured | Pull::First => felt[2],
+        }
+    }
+
     /// Lift and drag coefficient that were felt at an instant, at an air density in kg/m^3; NaN where something was not measured.
     fn coefficients(&self, instant: &Instant, felt: &Felt, density: f64) -> [f64; 2] {
-        let [ax, az, thrust, _] = *felt;
-        let thrust = match self.thrust {
-            Pull::Constant(thrust) => thrust,
-            Pull::Measured | Pull::First => thrust,
-        };
+        let [ax, az, ..] = *felt;
+        let thrust = self.thrust(felt);
         let force = 0.5 * density * instant[5] * instant[5] * self.wing_area;
         let x = (self.mass * ax - thrust * self.inclination.cos()) / force;
         let z = (self.mass * az + thrust * self.inclination.sin()) / force;

@@ -216,6 +216,17 @@ impl Learning {
         Polar { value, by_parameter }
     }
 
+    /// Mean thrust of the last seconds, N; zero where none was measured.
+    fn thrust(&self) -> f64 {
+        let (sum, count) = self
+            .felt
+            .iter()
+            .map(|felt| self.rigid.thrust(felt))
+            .filter(|thrust| thrust.is_finite())
+            .fold((0.0, 0_usize), |(sum, count), thrust| (sum + thrust, count + 1));
+        sum / count.max(1) as f64
+    }
+
     /// The local model that parameters make at an airspeed (m/s) and altitude (m).
     pub(crate) fn local(
         &self,
@@ -229,7 +240,7 @@ impl Learning {
             None => estimate(aircraft, trim, parameters, &declared, speed, altitude),
             Some(body) => {
                 let density = aircraft.atmosphere().at(altitude).density;
-                whole(body, parameters, trim, &declared, speed, density)
+                whole(body, parameters, trim, &declared, speed, density, self.thrust())
             }
         }
     }
