@@ -3,6 +3,8 @@
 use phugoid_control::qualities::Level;
 use phugoid_evaluation::ledger::{Ledger, recorded};
 use phugoid_evaluation::statistics::quantile;
+use phugoid_flight_dynamics::aircraft::Aircraft;
+use phugoid_flight_dynamics::trim::Trim;
 use phugoid_identification::model_file::ModelFile;
 use phugoid_simulation::flight::trimmed_aircraft;
 use phugoid_simulation::scenario::Scenario;
@@ -109,6 +111,20 @@ impl Short {
     }
 }
 
+/// A scenario with the damage of one number of a study with this first seed in it, so that it can be flown by itself.
+///
+/// # Errors
+/// [`RecoveryError::Flight`]: the scenario cannot be flown.
+pub fn damage(base: &Scenario, number: usize, first_seed: u64) -> Result<Scenario, RecoveryError> {
+    let (aircraft, trim) = trimmed_aircraft(base)?;
+    Ok(numbered(base, aircraft.as_ref(), &trim, number, first_seed.wrapping_add(number as u64)))
+}
+
+/// The class of a damage follows from its number, and what it is from its seed.
+fn numbered<A: Aircraft>(base: &Scenario, aircraft: &A, trim: &Trim, number: usize, seed: u64) -> Scenario {
+    damaged(base, aircraft, trim, &classes(number, seed), seed)
+}
+
 /// Flies `damages` random damages ([`classes`]), each with every control. Settings but for the control are those
 /// given. `ledger` is told of each damage, from any thread, and may keep the flights with it; it has to know the scenario and the
 /// model.
@@ -126,9 +142,8 @@ pub fn recovery(
     let (aircraft, trim) = trimmed_aircraft(base)?;
     let one = |run: usize| -> Result<Vec<Short>, RecoveryError> {
         let seed = first_seed.wrapping_add(run as u64);
-        let classes = classes(run, seed);
-        let class = classes.first().copied().unwrap_or(Class::Stability);
-        let scenario = damaged(base, aircraft.as_ref(), &trim, &classes, seed);
+        let class = classes(run, seed).first().copied().unwrap_or(Class::Stability);
+        let scenario = numbered(base, aircraft.as_ref(), &trim, run, seed);
         Control::ALL
             .into_iter()
             .map(|control| {
@@ -151,7 +166,6 @@ pub fn recovery(
             })
             .collect()
     };
-    // The class of a damage follows from its number, and what it is from its seed.
     let name = |run: usize| format!("damage {run}, seed {}", first_seed.wrapping_add(run as u64));
     let flights = recorded(damages, &format!("recovery: {settings:?}"), name, one, ledger)?;
     let all = std::iter::once(None).chain(Class::ALL.into_iter().map(Some));

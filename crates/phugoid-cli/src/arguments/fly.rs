@@ -37,9 +37,12 @@ pub(crate) struct Fly {
     /// Add nothing to the pilot's input, however wide the bounds are
     #[arg(long)]
     pub(crate) no_excitation: bool,
-    /// Seed of all random numbers, instead of the one in the scenario
+    /// Seed of all random numbers, instead of the one in the scenario; of `--damage` the first seed of the study
     #[arg(long, value_name = "NUMBER")]
     pub(crate) seed: Option<u64>,
+    /// Put the damage of this number, counted from 0, of `phugoid study recovery` into the scenario
+    #[arg(long, value_name = "NUMBER")]
+    pub(crate) damage: Option<usize>,
     /// Folder for the page, flight.html
     #[arg(long, value_name = "DIR", default_value = "phugoid-fly")]
     pub(crate) out: PathBuf,

@@ -13,10 +13,12 @@ use phugoid_recovery::page::{
     performance_rows,
 };
 use phugoid_recovery::performance::Performance;
+use phugoid_recovery::study::damage;
 use phugoid_report::study_html;
 use serde::Serialize;
 
 use super::estimate::model;
+use super::recovery::FIRST_SEED;
 use super::simulate::{failure as flight_failure, scenario};
 use crate::arguments;
 use crate::failure::Failure;
@@ -49,7 +51,12 @@ struct Document<'a> {
 
 pub(crate) fn run(arguments: &arguments::Fly) -> Result<(), Failure> {
     let mut scenario = scenario(&arguments.scenario)?;
-    scenario.seed = arguments.seed.unwrap_or(scenario.seed);
+    match arguments.damage {
+        Some(number) => {
+            scenario = damage(&scenario, number, arguments.seed.unwrap_or(FIRST_SEED)).map_err(failure)?;
+        }
+        None => scenario.seed = arguments.seed.unwrap_or(scenario.seed),
+    }
     let model = model(&arguments.model)?;
     let defaults = Settings::default();
     let settings = Settings {
@@ -91,11 +98,21 @@ fn html(arguments: &arguments::Fly, flight: &RecoveryFlight) -> phugoid_report::
         tables: section.tables,
         charts: section.charts,
     });
+    let which = match (arguments.damage, arguments.seed) {
+        (Some(number), seed) => format!(" --damage {number} --seed {}", seed.unwrap_or(FIRST_SEED)),
+        (None, Some(seed)) => format!(" --seed {seed}"),
+        (None, None) => String::new(),
+    };
     let facts = [("Control", flight.control.word().to_owned()), ("Ended", ended_words(&flight.outcome))];
     phugoid_report::StudyPage {
         title: flight.scenario.clone(),
         by: "Flown by Phugoid".to_owned(),
-        notes: vec![format!("Made with `phugoid fly {} --control {}`.", arguments.scenario, flight.control.word())],
+        notes: vec![format!(
+            "Made with `phugoid fly {}{} --control {}`.",
+            arguments.scenario,
+            which,
+            flight.control.word()
+        )],
         facts: facts.into_iter().map(|(name, value)| (name.to_owned(), value)).collect(),
         sections: sections.collect(),
     }

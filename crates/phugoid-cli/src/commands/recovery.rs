@@ -13,7 +13,7 @@ use crate::output::Table;
 
 /// Seed of the first damage where none is given: for judging. The numbers in docs/control.md that were used to choose settings are of
 /// seeds from 1000.
-const FIRST_SEED: u64 = 9_000_000;
+pub(super) const FIRST_SEED: u64 = 9_000_000;
 
 pub(super) fn recovered(arguments: &arguments::Study) -> Result<RecoveryStudy, Failure> {
     let flown = arguments.scenario.as_deref().unwrap_or("f16-recovery");

@@ -29,7 +29,6 @@ pub use predict::{Predicted, PredictedParameter};
 pub(crate) use readiness::ColumnVerdict;
 pub(crate) use room::{EveryRoom, causal_run};
 pub(crate) use second::beside_causal;
-pub(crate) use snapshot::Snapshot;
 pub(crate) use stepper::CausalRun;
 pub(crate) use task::{ColumnRun, Disputed, ModelError, Run, RunChange, Task};
 

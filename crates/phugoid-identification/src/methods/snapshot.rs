@@ -56,23 +56,6 @@ impl Snapshot {
         let ([_, before], [_, after]) = (self.values.get(column)?, other.values.get(column)?);
         Some(before.hypot(*after))
     }
-
-    /// The standard error of the difference if the column has not changed, for asking whether it has. A scale that is off by a part moves both values by the same
-    /// part, and makes no difference out of nothing; other errors move both by the same amount. So of each constant it has
-    /// what neither explains,
-    ///
-    /// ```text
-    /// min(|T2 - T1|, |T2 - T1 theta2/theta1|)
-    /// ```
-    ///
-    /// With the whole difference no change would be surer than one over the parts that are declared, however large it is.
-    pub(crate) fn unchanged_std(&self, other: &Self, column: usize) -> Option<f64> {
-        let (first, second) = (self.value(column)?, other.value(column)?);
-        let by_part = |of_first: f64| if first == 0.0 { of_first } else { of_first * second / first };
-        let both = self.declared(column).iter().zip(other.declared(column));
-        let left = both.map(|(one, two)| (two - one).abs().min((two - by_part(*one)).abs()));
-        Some(left.fold(self.random_std(other, column)?, f64::hypot))
-    }
 }
 
 #[cfg(test)]
@@ -95,11 +78,6 @@ mod tests {
         close(before.std(1), (0.05_f64.powi(2) + 0.12_f64.powi(2) + 0.16).sqrt());
         close(before.difference_std(&after, 0), 0.5);
         close(before.difference_std(&after, 1), (2.0 * 0.05_f64.powi(2) + 0.06_f64.powi(2)).sqrt());
-        // A part of the value and a fixed amount: neither makes a change where there is none.
-        close(before.unchanged_std(&after, 1), 0.05_f64.hypot(0.05));
-        // What is another amount and another part does.
-        let bent = snapshot(&[[2.0, 0.4], [1.0, 0.05]], &[0.0, 0.0, 0.12, 0.1]);
-        close(before.unchanged_std(&bent, 1), (2.0 * 0.05_f64.powi(2) + 0.3_f64.powi(2)).sqrt());
         assert_eq!((before.value(1), before.value(2), before.std(2)), (Some(1.0), None, None));
         assert!(Snapshot::default().is_empty() && Snapshot::default().difference_std(&before, 0).is_none());
     }

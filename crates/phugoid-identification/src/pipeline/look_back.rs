@@ -17,11 +17,11 @@ use phugoid_estimators::{ChangeState, ParameterStatus};
 
 use self::moments::{Moments, nats, onsets};
 use crate::core::error::EstimateError;
-use crate::core::estimation::{ChangeOutcome, Event, EventKind};
+use crate::core::estimation::{ChangeOutcome, Event, EventKind, without_part};
 use crate::core::options::{EstimateOptions, KnownChange, Opens};
 use crate::core::term::Coefficient;
 use crate::judge::both_sides::BothSides;
-use crate::methods::{ColumnRun, Disputed, EveryRoom, ModelError, Run, RunChange, Snapshot, Task, run};
+use crate::methods::{ColumnRun, Disputed, EveryRoom, ModelError, Run, RunChange, Task, run};
 use crate::model_file::{Base, Role};
 
 /// Flight from the first motion to the first moment that is asked about, s: until then the estimates are still being found, and
@@ -257,7 +257,7 @@ fn search<M: EveryRoom<N, R>, const N: usize, const R: usize>(
         if is_close(&known, best.change.time_s) || !is_further {
             break;
         }
-        if gain < EVIDENCE || !is_believed(task, &best) {
+        if gain < EVIDENCE || !is_believed(task, &best, &known) {
             unbelieved = disputed(&best, gain);
             break;
         }
@@ -405,10 +405,11 @@ impl<M: EveryRoom<N, R>, const N: usize, const R: usize> Again<'_, '_, M, N, R> 
             let shifted = constants.best;
             let gain = shifted.evidence - standing;
             let part = gain / (best.evidence - standing);
-            let is_shift = gain >= EVIDENCE_OF_CONSTANTS && is_trim_shift(self.task, &shifted);
+            let is_shift = gain >= EVIDENCE_OF_CONSTANTS && is_trim_shift(self.task, &shifted, known);
             if is_shift
                 && (part >= AS_MUCH
-                    || !is_believed_by_itself(self.task, &best) && self.is_most(known, &shifted, part, window)?)
+                    || !is_believed_by_itself(self.task, &best, known)
+                        && self.is_most(known, &shifted, part, window)?)
             {
                 return Ok(shifted);
             }
@@ -430,7 +431,7 @@ impl<M: EveryRoom<N, R>, const N: usize, const R: usize> Again<'_, '_, M, N, R> 
         let is_followed = shift.opens == Opens::Constants
             && next.change.opens == Opens::Everything
             && next.evidence - with_shift >= EVIDENCE
-            && is_believed_by_itself(self.task, next);
+            && is_believed_by_itself(self.task, next, &added(known, shift));
         if !is_followed {
             return Ok(None);
         }
@@ -441,7 +442,7 @@ impl<M: EveryRoom<N, R>, const N: usize, const R: usize> Again<'_, '_, M, N, R> 
             one = if other.evidence > one.evidence { other } else { one };
         }
         let is_as_much = one.evidence - standing >= AS_MUCH * (next.evidence - standing);
-        Ok((is_as_much && is_believed_by_itself(self.task, &one)).then_some(one))
+        Ok((is_as_much && is_believed_by_itself(self.task, &one, known)).then_some(one))
     }
 
     /// Whether the part of the evidence that the constants alone gain is enough where no derivative is another one.
@@ -523,71 +524,86 @@ fn is_elsewhere<M: EveryRoom<N, R>, const N: usize, const R: usize>(task: &Task<
 
 /// Whether a parameter is another one before the change and after it, until the next known change; or, where none shows that by itself, all
 /// of a coefficient together ([`BothSides::moves_otherwise`]). The drag alone does not say so: what the engine does looks like it.
-fn is_believed<M: EveryRoom<N, R>, const N: usize, const R: usize>(task: &Task<M, N, R>, tried: &Tried<R>) -> bool {
-    is_another(task, tried, |differs| differs.by_itself() || differs.together())
+fn is_believed<M: EveryRoom<N, R>, const N: usize, const R: usize>(
+    task: &Task<M, N, R>,
+    tried: &Tried<R>,
+    known: &[KnownChange],
+) -> bool {
+    is_another(task, tried, known, |differs| {
+        differs.by_itself(&tried.run.columns) || differs.together(&tried.run.columns)
+    })
 }
 
 /// Whether a parameter is another one by itself: what is asked against a trim shift, which the derivatives together imitate.
 fn is_believed_by_itself<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     task: &Task<M, N, R>,
     tried: &Tried<R>,
+    known: &[KnownChange],
 ) -> bool {
-    is_another(task, tried, |differs| differs.by_itself())
+    is_another(task, tried, known, |differs| differs.by_itself(&tried.run.columns))
 }
 
 /// Whether the aircraft is another one: by its constants where they alone were opened, else by what is asked of everything.
 fn is_another<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     task: &Task<M, N, R>,
     tried: &Tried<R>,
+    known: &[KnownChange],
     with_everything: impl Fn(&Differs) -> bool,
 ) -> bool {
     match tried.change.opens {
-        Opens::Constants => is_trim_shift(task, tried),
-        Opens::Everything => Differs::of(task, tried).is_some_and(|differs| with_everything(&differs)),
+        Opens::Constants => is_trim_shift(task, tried, known),
+        Opens::Everything => Differs::of(task, tried, known).is_some_and(|differs| with_everything(&differs)),
     }
 }
 
 /// Whether a constant is another one, with everything else as it was. How sure that is says the evidence: the standard errors of a constant before and
 /// after are mostly those of the derivatives, which are the same.
-fn is_trim_shift<M: EveryRoom<N, R>, const N: usize, const R: usize>(task: &Task<M, N, R>, tried: &Tried<R>) -> bool {
-    Differs::of(task, tried).is_some_and(|differs| {
+fn is_trim_shift<M: EveryRoom<N, R>, const N: usize, const R: usize>(
+    task: &Task<M, N, R>,
+    tried: &Tried<R>,
+    known: &[KnownChange],
+) -> bool {
+    Differs::of(task, tried, known).is_some_and(|differs| {
         differs.any(|role, j| {
-            let [before, after] = differs.values(j);
+            let [before, after] = differs.values(&tried.run.columns[j]);
             role.is_constant_term() && differs.sides.is_trim_shift(j, before, after)
         })
     })
 }
 
-/// What can be said of the parameters but those of the drag before a change and after it, until the next one.
+/// What can be said of the parameters but those of the drag before a change and after it.
 struct Differs<'a> {
     sides: BothSides,
-    before: &'a Snapshot,
-    after: &'a Snapshot,
+    /// The samples before the change and before the next known one.
+    samples: [usize; 2],
     roles: Vec<&'a Role>,
 }
 
 impl<'a> Differs<'a> {
     /// `None` where nothing can be said, or the values run into their bounds and explain nothing.
     fn of<M: EveryRoom<N, R>, const N: usize, const R: usize>(
-        task: &'a Task<'_, M, N, R>,
-        Tried { change, run, .. }: &'a Tried<R>,
+        task: &Task<'a, M, N, R>,
+        Tried { change, run, .. }: &Tried<R>,
+        known: &[KnownChange],
     ) -> Option<Self> {
         if run.columns.iter().any(|column| column.status == ParameterStatus::AtLimit) {
             return None;
         }
-        // A change is dated by the first sample that it holds for.
-        let RunChange { before, after, .. } = run.changes.iter().find(|own| own.time_s + 1e-9 >= change.time_s)?;
+        let time = &task.prepared.time;
+        let before = |time_s: f64| time.partition_point(|t| *t < time_s).checked_sub(1);
+        let next_s = known.iter().map(|other| other.time_s).find(|t| *t > change.time_s);
+        let samples = [before(change.time_s)?, before(next_s.unwrap_or(f64::INFINITY))?];
         let roles = task.file.estimated().take(run.columns.len()).map(|p| &p.role).collect();
-        Some(Self { sides: BothSides::of(task, run, change.time_s)?, before, after, roles })
+        Some(Self { sides: BothSides::of(task, run, change.time_s)?, samples, roles })
     }
 
     fn is_of_drag(&self, j: usize) -> bool {
         self.roles.get(j).is_none_or(|role| matches!(role, Role::Term(Coefficient::Drag, _)))
     }
 
-    /// The values of a column before and after; zero for a column that there is not.
-    fn values(&self, j: usize) -> [f64; 2] {
-        [self.before, self.after].map(|side| side.value(j).unwrap_or(0.0))
+    /// The values of a column before and after.
+    fn values(&self, column: &ColumnRun) -> [f64; 2] {
+        self.samples.map(|sample| column.values[sample])
     }
 
     /// Whether any parameter is another one.
@@ -596,19 +612,26 @@ impl<'a> Differs<'a> {
     }
 
     /// Whether any parameter is another one by more than its errors and more than missing terms make.
-    fn by_itself(&self) -> bool {
+    fn by_itself(&self, columns: &[ColumnRun]) -> bool {
         self.any(|_, j| {
-            let [before, after] = self.values(j);
-            let std = self.before.unchanged_std(self.after, j).unwrap_or(f64::INFINITY);
-            self.sides.tells(j, before, after) && (after - before).abs() > SIGMAS * std
+            let ([before, after], [from, to]) = (self.values(&columns[j]), self.samples);
+            self.sides.tells(j, before, after) && sigmas(&columns[j], from, to) > SIGMAS
         })
     }
 
     /// Whether all of them together move the aircraft otherwise. The drag stays as it is in the end.
-    fn together(&self) -> bool {
+    fn together(&self, columns: &[ColumnRun]) -> bool {
         self.sides.moves_otherwise(&|j| {
-            let [before, after] = self.values(j);
+            let [before, after] = columns.get(j).map_or([0.0; 2], |column| self.values(column));
             if self.is_of_drag(j) { [after; 2] } else { [before, after] }
         })
     }
+}
+
+/// Standard errors by which a column differs between two samples, without the part of the errors that the model file declares:
+/// that is the same at both.
+fn sigmas(column: &ColumnRun, from: usize, to: usize) -> f64 {
+    let declared = if column.value == 0.0 { 0.0 } else { column.systematic_std / column.value.abs() };
+    let std = |sample: usize| without_part(column.std_errors[sample], declared * column.values[sample].abs());
+    (column.values[to] - column.values[from]).abs() / std(from).hypot(std(to))
 }

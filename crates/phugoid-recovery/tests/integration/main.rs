@@ -7,7 +7,7 @@ use phugoid_control::qualities::Level;
 use phugoid_identification::model_file::ModelFile;
 use phugoid_recovery::draw::{Class, classes, damaged};
 use phugoid_recovery::flight::{Control, Kind, RecoveryFlight, Settings, fly};
-use phugoid_recovery::study::recovery;
+use phugoid_recovery::study::{damage, recovery};
 use phugoid_simulation::flight::trimmed_aircraft;
 use phugoid_simulation::scenario::Scenario;
 
@@ -85,6 +85,14 @@ fn a_study_counts_every_flight_once() {
     assert_eq!(of_classes, study.flights.len());
     let again = recovery(&base, &model(), &Settings::default(), damages, 77, &|| ()).unwrap();
     assert!(study.flights == again.flights, "the same seeds give the same flights");
+    // One of them by itself, as `phugoid fly --damage` flies it.
+    let scenario = damage(&base, 2, 77).unwrap();
+    for short in study.flights.iter().filter(|short| short.seed == 79) {
+        let settings = Settings { control: short.control, ..Settings::default() };
+        let flight = fly(&scenario, &settings, &model()).unwrap();
+        assert_eq!((&flight.scenario, flight.outcome.level), (&short.damage, short.level));
+        assert_eq!(flight.outcome.departed, short.departed);
+    }
     let counts: Vec<usize> = (0..10 * Class::ALL.len()).map(|k| classes(k, 77 + k as u64).len()).collect();
     assert!(counts.contains(&1) && counts.contains(&2) && counts.contains(&3));
 }
