@@ -277,16 +277,15 @@ where
             &mut follower,
         );
         let Common { x, theta, .. } = slot.common();
-        let parameters = theta.iter().zip(&before).zip(&mut errors.parameters);
-        for (column, ((after, before), error)) in parameters.enumerate().take(model.parameter_count()) {
-            let powers: [f64; K] = model.regressor_powers(x, column);
-            add_scaled(error, after - before, &powers);
-        }
-        for column in 0..model.parameter_count().min(P) {
+        let steps = theta.iter().zip(&before).map(|(after, before)| after - before);
+        for (column, step) in steps.enumerate().take(model.parameter_count()) {
+            if let Some(error) = errors.parameters.get_mut(column) {
+                let powers: [f64; K] = model.regressor_powers(x, column);
+                add_scaled(error, step, &powers);
+            }
             for shift in model.regressor_shifts(column) {
-                let step = theta.get(column).zip(before.get(column)).map_or(0.0, |(after, before)| after - before);
-                let row = errors.parameters.get_mut(shift.of).and_then(|row| row.get_mut(shift.constant));
-                if let Some(error) = row {
+                let error = errors.parameters.get_mut(shift.of).and_then(|row| row.get_mut(shift.constant));
+                if let Some(error) = error {
                     *error += shift.per_unit * step;
                 }
             }

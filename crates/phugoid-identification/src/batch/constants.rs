@@ -135,17 +135,6 @@ fn displaced<'a, const N: usize, const R: usize>(
     manoeuvres.iter().zip(plants).map(|(m, plant)| Manoeuvre { plant, ..*m }).collect()
 }
 
-/// What the constants add to the regressors of parameters of those of others, and the value of each parameter whose it is.
-fn all_shifts<const N: usize, const R: usize>(
-    plant: &dyn Flown<N, R>,
-    theta: &[f64; CAPACITY],
-) -> impl Iterator<Item = (RegressorShift, f64)> {
-    let of_one = |(column, value): (usize, &f64)| {
-        plant.regressor_shifts(column).iter().map(|shift| (*shift, *value)).collect::<Vec<_>>()
-    };
-    theta.iter().enumerate().take(plant.parameter_count()).flat_map(of_one).collect::<Vec<_>>().into_iter()
-}
-
 /// Where a search ended.
 struct End {
     unknowns: Vec<f64>,
@@ -196,17 +185,18 @@ pub(crate) fn output_error_constants<const N: usize, const R: usize>(
     let floor = noise_floor(manoeuvres);
     let loss = Loss::of(structure.likelihood);
     let mut by_parameter = vec![[0.0; ROOM_FOR_CONSTANTS]; structure.parameters.len()];
+    let (plant, theta) = (manoeuvres.first()?.plant, layout.parameters(&unknowns));
     for (constant, size) in sizes.iter().copied().enumerate().filter(|(_, size)| *size > 0.0) {
         let plants = plants_of(manoeuvres, constant, size, false);
         let manoeuvres = displaced(manoeuvres, &plants);
         let mut moved = unknowns.clone();
         // Begun where the terms say that it lies: a zero of the vane of many times its noise would lead the steps elsewhere.
-        let theta = layout.parameters(&unknowns);
-        for shift in all_shifts(manoeuvres[0].plant, &theta).filter(|(shift, _)| shift.constant == constant) {
-            let (RegressorShift { of, per_unit, .. }, value) = shift;
-            let target = layout.places.iter().position(|p| p.kind == UnknownKind::Parameter { index: of });
-            if let Some(unknown) = target.filter(|place| !frozen[*place]).and_then(|place| moved.get_mut(place)) {
-                *unknown += size * per_unit * value;
+        for (column, value) in theta.iter().enumerate().take(plant.parameter_count()) {
+            for shift in plant.regressor_shifts(column).iter().filter(|shift| shift.constant == constant) {
+                let target = layout.places.iter().position(|p| p.kind == UnknownKind::Parameter { index: shift.of });
+                if let Some(place) = target.filter(|place| !frozen[*place]) {
+                    moved[place] += size * shift.per_unit * value;
+                }
             }
         }
         let (mut first, mut before) = (f64::INFINITY, f64::INFINITY);

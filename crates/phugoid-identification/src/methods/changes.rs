@@ -2,9 +2,9 @@
 
 use std::collections::VecDeque;
 
-use phugoid_estimators::{ChangeState, Estimate};
+use phugoid_estimators::ChangeState;
 
-use super::snapshot::Snapshot;
+use super::snapshot::{Column, Snapshot};
 use super::task::RunChange;
 use crate::core::estimation::ChangeOutcome;
 use crate::core::options::Opens;
@@ -29,26 +29,16 @@ pub(super) struct Changes {
 }
 
 impl Changes {
-    /// Takes an estimate without the declared part of its errors, of which `columns` are in use. `opens` is what an adopted change
-    /// has opened; `declare` writes what each declared constant does to each column ([`Snapshot::take`]).
-    pub(super) fn look<const P: usize>(
+    /// Takes an estimate: its columns, and the state of the change detection. `opens` is what an adopted change has opened.
+    pub(super) fn look(
         &mut self,
-        estimate: &Estimate<P>,
+        change: ChangeState,
         time_s: f64,
-        columns: usize,
         opens: Opens,
-        declare: impl Fn(&mut Vec<f64>),
+        columns: impl Iterator<Item = Column> + Clone,
     ) {
-        let values = || {
-            let errors = &estimate.corrected_std_error[..columns];
-            estimate.parameters[..columns].iter().zip(errors).map(|(value, std)| [*value, *std])
-        };
-        let now = || {
-            let mut now = Snapshot::default();
-            now.take(values(), &declare);
-            now
-        };
-        match estimate.status.change {
+        let now = || Snapshot::of(columns.clone());
+        match change {
             ChangeState::Adopted => {
                 // A given change was not suspected: the values of the sample before it are those before it.
                 let before = self
@@ -71,9 +61,9 @@ impl Changes {
             }
             ChangeState::OnProbation => {}
         }
-        if matches!(estimate.status.change, ChangeState::Steady | ChangeState::OnProbation) {
+        if matches!(change, ChangeState::Steady | ChangeState::OnProbation) {
             self.before_suspicion = None;
-            self.undoubted.take(values(), &declare);
+            self.undoubted.renew(columns);
             self.remember(time_s);
         }
     }

@@ -12,6 +12,7 @@ use super::health_watch::{HealthRun, Monitoring};
 use super::readiness::{ColumnVerdict, ReadinessWatch};
 use super::replay::{Replay, adoptions};
 use super::settings::{learning, shared_settings};
+use super::snapshot::Column;
 use super::table::{Boxed, SetUp};
 use super::task::{RunChange, Task};
 use super::watch::Watch;
@@ -130,8 +131,8 @@ pub(super) struct Stepper<M: MotionModel<N, R, P>, const N: usize, const R: usiz
     lead: Lead<M::KnownInput, R>,
     /// How fast the surfaces move.
     surface_rates: SurfaceRates,
-    /// Declared variance of each constant of the motion.
-    variances: Vec<f64>,
+    /// Declared standard uncertainty of each constant of the motion.
+    declared: Vec<f64>,
     /// Declared uncertainty by column, for a method that does not follow the errors.
     by_powers: Vec<ByPowers>,
     /// One sigma of the systematic part of the last estimate, by column.
@@ -188,7 +189,7 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> St
             lead: Lead::default(),
             watch: Watch::new(settings.maximum_step_s.max(3.5 * settings.sample_time_s)),
             surface_rates: SurfaceRates::default(),
-            variances: declared::<M, N, R>(file).iter().map(|std| std * std).collect(),
+            declared: declared::<M, N, R>(file),
             by_powers: prepared.by_powers(file).collect(),
             systematic_std: [0.0; P],
             changes: Changes::default(),
@@ -202,19 +203,31 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> St
         self.estimator.column_count().min(P)
     }
 
-    /// What each constant contributes to the variance of a column; none where the errors are not followed, or are not
-    /// numbers.
+    /// What one declared standard uncertainty of each constant does to a column, estimate less truth; none where the errors are not
+    /// followed, or are not numbers.
     fn followed(&self, column: usize) -> Option<impl Iterator<Item = f64> + Clone + '_> {
+        // The errors are those of the truth against the estimate.
         let errors = self.estimator.error_by_constant(column)?;
-        let parts = errors.iter().zip(&self.variances).map(|(error, variance)| error * error * variance);
-        parts.clone().sum::<f64>().is_finite().then_some(parts)
+        let effects = errors.iter().zip(&self.declared).map(|(error, std)| -error * std);
+        effects.clone().all(f64::is_finite).then_some(effects)
     }
 
     /// One sigma of the systematic part of a column.
     fn systematic(&self, column: usize, value: f64) -> f64 {
         match self.followed(column) {
-            Some(parts) => parts.sum::<f64>().sqrt(),
+            Some(effects) => effects.map(|effect| effect * effect).sum::<f64>().sqrt(),
             None => self.by_powers.get(column).map_or(0.0, |powers| powers.std(value)),
+        }
+    }
+
+    /// A column with what is declared, for comparing it with itself at another time. `random_std`: its standard error without.
+    fn column(&self, column: usize, value: f64, random_std: f64) -> Column {
+        match self.followed(column) {
+            Some(effects) => Column::new(value, random_std, effects),
+            None => {
+                let effects = self.by_powers.get(column).into_iter().flat_map(|powers| powers.effects(value));
+                Column::new(value, random_std, effects.flatten())
+            }
         }
     }
 
@@ -317,20 +330,11 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> Ca
         self.watch.look(&estimate, sample.time_s, self.estimator.restarts(), events);
         if !self.waiting {
             let columns = self.columns();
-            let Self { changes, estimator, variances, by_powers, .. } = self;
-            changes.look(&estimate, sample.time_s, columns, opened, |out| {
-                for (j, value) in estimate.parameters[..columns].iter().enumerate() {
-                    match estimator.error_by_constant(j) {
-                        // The errors are those of the truth against the estimate.
-                        Some(errors) => {
-                            out.extend(errors.iter().zip(&*variances).map(|(e, variance)| -e * variance.sqrt()))
-                        }
-                        None => {
-                            out.extend(by_powers.get(j).into_iter().flat_map(|powers| powers.effects(*value)).flatten())
-                        }
-                    }
-                }
-            });
+            let mut changes = std::mem::take(&mut self.changes);
+            let now = estimate.parameters.iter().zip(&estimate.corrected_std_error).enumerate().take(columns);
+            let now = now.map(|(j, (value, std))| self.column(j, *value, *std));
+            changes.look(estimate.status.change, sample.time_s, opened, now);
+            self.changes = changes;
             for j in 0..columns {
                 self.systematic_std[j] = self.systematic(j, estimate.parameters[j]);
                 estimate.corrected_std_error[j] = estimate.corrected_std_error[j].hypot(self.systematic_std[j]);
@@ -413,16 +417,12 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> Ca
     }
 
     fn systematic_parts(&self, column: usize) -> Vec<SystematicPart> {
-        let errors = self.estimator.error_by_constant(column).filter(|_| self.followed(column).is_some());
-        let Some(errors) = errors else {
+        let Some(effects) = self.followed(column) else {
             let value = self.shown.parameters[column];
             return self.by_powers.get(column).map_or_else(Vec::new, |powers| powers.shares(value));
         };
         let mut all = ByQuantity::default();
-        for ((quantity, error), variance) in M::CONSTANTS.iter().zip(errors).zip(&self.variances) {
-            // The errors are those of the truth against the estimate.
-            all.add(*quantity, -error * variance.sqrt());
-        }
+        M::CONSTANTS.iter().zip(effects).for_each(|(quantity, effect)| all.add(*quantity, effect));
         all.parts()
     }
 

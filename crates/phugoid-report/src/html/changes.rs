@@ -69,6 +69,8 @@ fn one(estimation: &Estimation, change: &AdoptedChange) -> String {
             ("n", "± 2σ"),
             ("n", "After"),
             ("n", "± 2σ"),
+            ("n", "Change"),
+            ("n", "± 2σ"),
             ("n", "Moved by<br>(σ)"),
             ("", "Before (grey), after (blue)"),
         ])
@@ -77,13 +79,14 @@ fn one(estimation: &Estimation, change: &AdoptedChange) -> String {
         let unit = unit_of(estimation, &p.name);
         let known = |value: f64, sigma: f64| Known { value: value * unit.factor, sigma: sigma * unit.factor };
         let (before, after) = (known(p.before, p.before_std), known(p.after, p.after_std));
-        let [[a, b], [c, d]] = [before.cells(), after.cells()];
+        let [[a, b], [c, d], [e, f]] =
+            [before, after, known(p.after - p.before, p.difference_std)].map(|known| known.cells());
         let _ = writeln!(
             out,
             "<tr><th scope=\"row\">{}</th><td>{}</td>{}<td>{}</td></tr>",
             escape(&p.name),
             escape(&unit.text),
-            number_cells(&[a, b, c, d, signed(p.sigmas())]),
+            number_cells(&[a, b, c, d, e, f, signed(p.sigmas())]),
             intervals(&[("muted", before), ("blue", after)])
         );
     }
