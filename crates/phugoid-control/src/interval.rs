@@ -110,7 +110,7 @@ pub fn worst(estimate: &Estimate, gains: &Gains) -> Excess {
     }
 }
 
-/// Levels of flying qualities in pitch, and of Dutch roll, roll and spiral together.
+/// Levels of flying qualities in pitch, and of Dutch roll, roll and spiral together, coupled or not.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Levels {

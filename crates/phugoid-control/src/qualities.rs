@@ -1,5 +1,6 @@
 //! Handling-quality levels of MIL-F-8785C (1980): short period (3.2.2.1, table IV and figure 1), phugoid (3.2.1.2), Dutch roll
-//! (table VI), roll (table VII) and spiral (table VIII), of an aircraft whose modes are near the classical ones.
+//! (table VI), roll (table VII), spiral (table VIII) and the coupled roll-spiral oscillation (3.3.1.4), of an aircraft whose modes are near
+//! the classical ones.
 //!
 //! The numbers are those of the standard for class IV (manoeuvrable aircraft); where a table lists several classes, that row is
 //! taken. Level 1: clearly adequate for the phase of flight; 2: adequate with more work for the pilot; 3: can be controlled safely,
@@ -34,8 +35,7 @@ pub enum Category {
     C,
 }
 
-/// The levels of each mode; `None` where the aircraft has no such mode (it has split or merged with another: see
-/// [`Qualities::level`]).
+/// The levels of each mode; `None` where the aircraft has no such mode, because it has merged with another.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Qualities {
@@ -47,10 +47,12 @@ pub struct Qualities {
     pub roll: Option<(f64, Level)>,
     /// Spiral: time to double (s, infinite where it is stable) and level.
     pub spiral: Option<(f64, Level)>,
+    /// Coupled roll-spiral oscillation, of an aircraft that has it in place of both of them: frequency (rad/s), damping ratio and level.
+    pub roll_spiral: Option<(f64, f64, Level)>,
 }
 
 /// Number of [`Qualities::numbers`].
-pub(crate) const NUMBERS: usize = 8;
+pub(crate) const NUMBERS: usize = 9;
 
 impl Qualities {
     /// The level in pitch: that of the short period; worse than level 3 where there is none.
@@ -58,12 +60,14 @@ impl Qualities {
         self.short_period.map_or(Level::Worse, |(.., level)| level)
     }
 
-    /// The worst level of Dutch roll, roll and spiral; worse than level 3 where one is missing.
+    /// The worst level of Dutch roll, roll and spiral, or of Dutch roll and the coupled roll-spiral oscillation; worse than level 3 where
+    /// one is missing.
     pub fn lateral_level(&self) -> Level {
+        let coupled = self.roll_spiral.map(|(.., level)| level);
         let levels = [
             self.dutch_roll.map(|(.., level)| level),
-            self.roll.map(|(_, level)| level),
-            self.spiral.map(|(_, level)| level),
+            coupled.or(self.roll.map(|(_, level)| level)),
+            coupled.or(self.spiral.map(|(_, level)| level)),
         ];
         levels.into_iter().map(|level| level.unwrap_or(Level::Worse)).max().unwrap_or(Level::Worse)
     }
@@ -79,10 +83,11 @@ impl Qualities {
         // Zero where it is stable: the time to double is infinite.
         let spiral = self.spiral.map_or(f64::NAN, |(double, _)| 1.0 / double);
         let product = dutch_frequency * dutch_damping;
-        [frequency, damping, anticipation, dutch_frequency, dutch_damping, product, roll, spiral]
+        let roll_spiral = self.roll_spiral.map_or(f64::NAN, |(frequency, damping, _)| frequency * damping);
+        [frequency, damping, anticipation, dutch_frequency, dutch_damping, product, roll, spiral, roll_spiral]
     }
 
-    /// The worst level of all modes. A mode that is missing counts as worse than level 3 if another one grows in its place.
+    /// The worst level of all modes. A mode that is missing counts as worse than level 3.
     pub fn level(&self) -> Level {
         self.pitch_level().max(self.lateral_level())
     }
@@ -96,8 +101,8 @@ pub fn qualities(a: &[[f64; 6]; 6], load_factor_per_alpha: f64, category: Catego
     let lateral: [[f64; 4]; 4] = LATERAL.map(|i| LATERAL.map(|j| a[i][j]));
     let short_period = eigenvalues(&pitch).map(|roots| of_short_period(&roots, load_factor_per_alpha, category));
     let lateral = eigenvalues(&lateral).map(|roots| of_lateral(&roots, category));
-    let (dutch_roll, roll, spiral) = lateral.unwrap_or((None, None, None));
-    Qualities { short_period, dutch_roll, roll, spiral }
+    let Lateral { dutch_roll, roll, spiral, roll_spiral } = lateral.unwrap_or_default();
+    Qualities { short_period, dutch_roll, roll, spiral, roll_spiral }
 }
 
 /// The first of three levels that holds.
@@ -143,13 +148,27 @@ fn of_short_period(roots: &[Root; 2], load_factor_per_alpha: f64, category: Cate
     (frequency, damping, frequency * frequency / load_factor_per_alpha, level)
 }
 
-type Lateral = (Option<(f64, f64, Level)>, Option<(f64, Level)>, Option<(f64, Level)>);
+/// The lateral modes of [`Qualities`].
+#[derive(Default)]
+struct Lateral {
+    dutch_roll: Option<(f64, f64, Level)>,
+    roll: Option<(f64, Level)>,
+    spiral: Option<(f64, Level)>,
+    roll_spiral: Option<(f64, f64, Level)>,
+}
 
 fn of_lateral(roots: &[Root; 4], category: Category) -> Lateral {
-    // The fastest oscillation is the Dutch roll; of the real roots the fastest is the roll and the slowest the spiral.
-    let dutch = roots.iter().filter(|root| root.imaginary > 0.0).max_by(|a, b| a.frequency().total_cmp(&b.frequency()));
-    let dutch_roll = dutch
-        .map(|root| (root.frequency(), root.damping(), dutch_roll_level(root.frequency(), root.damping(), category)));
+    // The fastest oscillation is the Dutch roll; a second one is roll and spiral together. Of the real roots the fastest is the roll and
+    // the slowest the spiral.
+    let oscillations = || roots.iter().filter(|root| root.imaginary > 0.0);
+    let with_level = |root: &Root, level: fn(f64, f64, Category) -> Level| {
+        (root.frequency(), root.damping(), level(root.frequency(), root.damping(), category))
+    };
+    let by_frequency = |a: &&Root, b: &&Root| a.frequency().total_cmp(&b.frequency());
+    let fastest_oscillation = oscillations().max_by(by_frequency).map(|root| with_level(root, dutch_roll_level));
+    let dutch_roll = fastest_oscillation.or_else(|| overdamped_dutch_roll(roots, category));
+    let slower = oscillations().min_by(by_frequency).filter(|_| oscillations().count() == 2);
+    let roll_spiral = slower.map(|root| with_level(root, roll_spiral_level));
     let real = roots.iter().filter(|root| root.imaginary == 0.0);
     let fastest = real.clone().min_by(|a, b| a.real.total_cmp(&b.real));
     let slowest = real.max_by(|a, b| a.real.total_cmp(&b.real));
@@ -169,7 +188,29 @@ fn of_lateral(roots: &[Root; 4], category: Category) -> Lateral {
         };
         (double, first(limits.map(|limit| double >= limit)))
     });
-    (dutch_roll, roll, spiral)
+    Lateral { dutch_roll, roll, spiral, roll_spiral }
+}
+
+/// The Dutch roll of four real roots: the two between roll and spiral, with the frequency and damping of their product and sum, as of an
+/// overdamped short period. None if one of them grows.
+fn overdamped_dutch_roll(roots: &[Root; 4], category: Category) -> Option<(f64, f64, Level)> {
+    let mut real = roots.map(|root| root.real);
+    real.sort_unstable_by(f64::total_cmp);
+    let [_, faster, slower, _] = real;
+    (slower < 0.0).then(|| {
+        let frequency = libm::sqrt(faster * slower);
+        let damping = -0.5 * (faster + slower) / frequency;
+        (frequency, damping, dutch_roll_level(frequency, damping, category))
+    })
+}
+
+/// Level of a coupled roll-spiral oscillation with this frequency (rad/s) and damping ratio (3.3.1.4). Phases of category A, which ask for
+/// more than gentle manoeuvres, permit none, whatever its damping.
+pub fn roll_spiral_level(frequency: f64, damping: f64, category: Category) -> Level {
+    match category {
+        Category::A => Level::Worse,
+        Category::B | Category::C => first([0.5, 0.3, 0.15].map(|product| damping * frequency >= product)),
+    }
 }
 
 /// Level of a Dutch roll with this frequency (rad/s) and damping ratio.
@@ -205,6 +246,41 @@ mod tests {
         assert_eq!(dutch_roll_level(2.0, 0.081, Category::B), Level::One);
         assert_eq!(dutch_roll_level(2.0, 0.079, Category::B), Level::Two);
         assert_eq!(dutch_roll_level(2.0, -0.01, Category::B), Level::Worse);
+        assert_eq!(roll_spiral_level(1.0, 0.51, Category::B), Level::One);
+        assert_eq!(roll_spiral_level(1.0, 0.49, Category::C), Level::Two);
+        assert_eq!(roll_spiral_level(0.5, 0.59, Category::B), Level::Three);
+        assert_eq!(roll_spiral_level(0.5, 0.29, Category::B), Level::Worse);
+        assert_eq!(roll_spiral_level(1.0, 0.9, Category::A), Level::Worse);
+    }
+
+    /// Two oscillations, of 2.4 rad/s (damping ratio 0.5) and of 0.8 rad/s (0.75), in place of Dutch roll, roll and spiral.
+    #[test]
+    fn roll_and_spiral_may_be_one_oscillation() {
+        let pair = |frequency: f64, damping: f64| {
+            let real = -frequency * damping;
+            let imaginary = frequency * (1.0 - damping * damping).sqrt();
+            [Root { real, imaginary }, Root { real, imaginary: -imaginary }]
+        };
+        let roots = [pair(0.8, 0.75), pair(2.4, 0.5)];
+        let [a, b, c, d] = [roots[0][0], roots[0][1], roots[1][0], roots[1][1]];
+        let Lateral { dutch_roll, roll, spiral, roll_spiral } = of_lateral(&[a, b, c, d], Category::B);
+        let (dutch, coupled) = (dutch_roll.unwrap(), roll_spiral.unwrap());
+        assert!((dutch.0 - 2.4).abs() < 1e-12 && (coupled.0 - 0.8).abs() < 1e-12 && (coupled.1 - 0.75).abs() < 1e-12);
+        assert_eq!((roll, spiral, coupled.2), (None, None, Level::One));
+        let found = Qualities { short_period: None, dutch_roll, roll, spiral, roll_spiral };
+        assert_eq!(found.lateral_level(), Level::One);
+    }
+
+    /// Without an oscillation the two real roots between roll and spiral are the Dutch roll, as of a yaw damper that is strong.
+    #[test]
+    fn a_dutch_roll_may_be_overdamped() {
+        let real = |real: f64| Root { real, imaginary: 0.0 };
+        let found = of_lateral(&[real(-2.0), real(-0.01), real(-5.5), real(-3.0)], Category::B);
+        let (frequency, damping, level) = found.dutch_roll.unwrap();
+        assert!((frequency - 6.0_f64.sqrt()).abs() < 1e-12 && (damping - 2.5 / 6.0_f64.sqrt()).abs() < 1e-12);
+        assert_eq!((level, found.roll.unwrap().1, found.spiral.unwrap().1), (Level::One, Level::One, Level::One));
+        let grows = of_lateral(&[real(-2.0), real(0.5), real(-5.5), real(0.1)], Category::B);
+        assert_eq!(grows.dutch_roll, None);
     }
 
     #[test]
