@@ -46,6 +46,9 @@ const TOWARDS: f64 = 0.8;
 const LONG: f64 = 4.0;
 /// Slope of the position with the command that divides what follows from what does not.
 const SLOPE: f64 = 0.4;
+/// Time for which a look asks for a probe, s: two periods of the slowest part of the excitation (`excitation.rs`). What has not shown by
+/// then (a surface that swings within a play) will not show by more of it, and the probe moves the aircraft.
+const ENOUGH: f64 = 10.0;
 /// Independent looks per second: the product of probe and motion changes with some hertz.
 const LOOKS: f64 = 4.0;
 
@@ -118,9 +121,10 @@ impl Follower {
     }
 
     /// Whether it does not follow and it is not known yet what it does instead, or it is jammed and may come free. Moving it a little
-    /// would tell.
+    /// would tell. Of one that could be looked at for ten seconds moving it more would tell nothing.
     pub fn is_in_doubt(&self) -> bool {
-        self.found == Following::Jammed || (self.looked > 0.0 && self.found == Following::Follows)
+        self.found == Following::Jammed
+            || (self.looked > 0.0 && self.looked < ENOUGH && self.found == Following::Follows)
     }
 
     /// The largest rate that was seen since it stopped to follow, rad/s.

@@ -7,8 +7,10 @@
 //! `R` and `B` are the aircraft's angular accelerations by the feedback variables and by the surfaces, `R*` those that are wanted.
 //! `B+` is a least-squares inverse with a small price on deflection (`D`), so that a surface that has lost its effect is left
 //! alone instead of being driven to its stop.
+//!
+//! Without ailerons the rudder rolls the aircraft, by the sideslip that it holds ([`Gains::roll_by_sideslip`]).
 
-use crate::local::{AXES, LocalModel, SURFACES, VARIABLES};
+use crate::local::{AXES, BETA, LocalModel, P, SURFACES, VARIABLES};
 use crate::target::Targets;
 
 /// Weight of roll, pitch and yaw acceleration where the surfaces cannot give all three.
@@ -16,6 +18,16 @@ pub const WEIGHTS: [f64; AXES] = [1.0, 4.0, 1.0];
 /// Angular acceleration (rad/s^2) that a full radian of any surface has to give to be worth its deflection: the square of it is
 /// the price of deflection. A tenth of what the weakest surface of an ordinary aircraft gives.
 const WORTH: f64 = 0.15;
+/// Angular acceleration by a full radian, rad/s^2, below which ailerons, or a sideslip, are no means to roll an aircraft with: what the
+/// weakest surface of an ordinary aircraft gives.
+const WEAK: f64 = 10.0 * WORTH;
+/// Least damping of the roll that is asked for where the rudder rolls the aircraft, 1/s; what it has by itself is left alone if it is more.
+const LEAST_ROLL_DAMPING: f64 = 0.5;
+
+const ROLL: usize = 0;
+const YAW: usize = 2;
+const AILERON: usize = 1;
+const RUDDER: usize = 2;
 
 /// Gains of the law for one model of the aircraft.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -35,6 +47,14 @@ pub struct Gains {
     pub lift: f64,
     /// Angular acceleration at the reference that the surfaces have to take away, rad/s^2.
     pub constant: [f64; AXES],
+    /// Roll acceleration by a sideslip that the rudder holds, 1/s^2, where the aircraft is rolled with that: its ailerons are not used or have
+    /// no effect. None where the ailerons roll it, and where the rudder cannot either.
+    ///
+    /// A rudder rolls an aircraft twice: at once by its own height above the roll axis, and after a second by the sideslip that it
+    /// makes, which is more and goes the other way. A law that took the first for the effect of the rudder would be unstable.
+    pub roll_by_sideslip: Option<f64>,
+    /// Roll damping that is wanted where the ailerons roll the aircraft, 1/s.
+    pub roll_damping: f64,
 }
 
 impl Gains {
@@ -73,20 +93,43 @@ impl Gains {
     pub fn place_with(model: &LocalModel, targets: &Targets, free: [bool; SURFACES]) -> Option<Self> {
         let wanted = targets.rates(model);
         let gains = Self {
-            inverse: weighted_inverse(&model.surfaces, free)?,
-            free,
+            inverse: [[0.0; AXES]; SURFACES],
+            free: [true; SURFACES],
             added: core::array::from_fn(|i| core::array::from_fn(|j| wanted[i][j] - model.rates[i][j])),
             wanted,
             surfaces: model.surfaces,
             lift: model.alpha_by_alpha,
             constant: model.constant,
-        };
+            roll_by_sideslip: None,
+            roll_damping: wanted[ROLL][P],
+        }
+        .with_free(free)?;
         (model.is_finite() && gains.is_finite()).then_some(gains)
     }
 
     /// The same wanted motion with the surfaces that are `free` to be moved; `None` if that has numbers that are not finite.
     pub fn with_free(&self, free: [bool; SURFACES]) -> Option<Self> {
-        Some(Self { inverse: weighted_inverse(&self.surfaces, free)?, free, ..*self })
+        let natural = self.modelled();
+        let roll_by_sideslip = roll_by_sideslip(&natural, free);
+        let mut gains = Self { free, roll_by_sideslip, ..*self };
+        let damping = match roll_by_sideslip {
+            Some(_) => natural.rates[ROLL][P].min(-LEAST_ROLL_DAMPING),
+            None => self.roll_damping,
+        };
+        if damping != gains.wanted[ROLL][P] {
+            gains.wanted[ROLL][P] = damping;
+            gains.added[ROLL][P] = damping - natural.rates[ROLL][P];
+        }
+        gains.inverse = weighted_inverse(&self.surfaces, free, gains.weights())?;
+        Some(gains)
+    }
+
+    /// Weights of roll, pitch and yaw acceleration where the surfaces cannot give all three.
+    pub(crate) fn weights(&self) -> [f64; AXES] {
+        match self.roll_by_sideslip {
+            Some(_) => [0.0, WEIGHTS[1], WEIGHTS[YAW]],
+            None => WEIGHTS,
+        }
     }
 
     /// The angular accelerations by feedback variables and surfaces that the gains were made for; what they do not tell is zero.
@@ -101,15 +144,22 @@ impl Gains {
 
     /// Deflections by the feedback variables: what the law is for small motions.
     pub fn feedback(&self) -> [[f64; VARIABLES]; SURFACES] {
-        core::array::from_fn(|i| {
-            core::array::from_fn(|j| (0..AXES).map(|k| self.inverse[i][k] * self.added[k][j]).sum())
-        })
+        let mut added = self.added;
+        if let Some(by_sideslip) = self.roll_by_sideslip {
+            // The sideslip that makes the roll acceleration beside that of the present one, which the wanted one takes the place of.
+            let yaw_by_roll = -self.wanted[YAW][BETA] / by_sideslip;
+            for j in (0..VARIABLES).filter(|j| *j != BETA) {
+                added[YAW][j] += yaw_by_roll * added[ROLL][j];
+            }
+        }
+        core::array::from_fn(|i| core::array::from_fn(|j| (0..AXES).map(|k| self.inverse[i][k] * added[k][j]).sum()))
     }
 
     /// Whether every gain is a finite number.
     pub fn is_finite(&self) -> bool {
         let all = self.inverse.iter().flatten().chain(self.added.iter().flatten()).chain(self.wanted.iter().flatten());
-        all.chain(&self.constant).chain([&self.lift]).all(|value| value.is_finite())
+        let sideslip = self.roll_by_sideslip.unwrap_or(1.0);
+        all.chain(&self.constant).chain([&self.lift, &sideslip]).all(|value| value.is_finite())
     }
 
     /// Deflections that give the angular accelerations `demand` (rad/s^2) best within `[lowest, highest]` (rad): a surface that
@@ -130,7 +180,8 @@ impl Gains {
                 }
             }
             let whole = free == self.free;
-            let inverse = if whole { Some(self.inverse) } else { weighted_inverse(&self.surfaces, free) };
+            let inverse =
+                if whole { Some(self.inverse) } else { weighted_inverse(&self.surfaces, free, self.weights()) };
             let Some(inverse) = inverse else { return deflections };
             let mut beyond = false;
             for j in 0..SURFACES {
@@ -159,13 +210,30 @@ impl Gains {
     }
 }
 
+/// What [`Gains::roll_by_sideslip`] is for this aircraft with these surfaces.
+fn roll_by_sideslip(model: &LocalModel, free: [bool; SURFACES]) -> Option<f64> {
+    let (rates, surfaces) = (&model.rates, &model.surfaces);
+    let is_rolled_by_ailerons = free[AILERON] && surfaces[ROLL][AILERON].abs() > WEAK;
+    if is_rolled_by_ailerons || !free[RUDDER] || surfaces[YAW][RUDDER].abs() <= WORTH {
+        return None;
+    }
+    // The rudder that holds one radian of sideslip.
+    let rudder = -rates[YAW][BETA] / surfaces[YAW][RUDDER];
+    let by_sideslip = rates[ROLL][BETA] + rudder * surfaces[ROLL][RUDDER];
+    (by_sideslip.abs() > WEAK).then_some(by_sideslip)
+}
+
 /// `(B^T W B + D)^-1 B^T W` of the free surfaces; rows of the others are zero. `None` if it has numbers that are not finite.
-pub(crate) fn weighted_inverse(b: &[[f64; SURFACES]; AXES], free: [bool; SURFACES]) -> Option<[[f64; AXES]; SURFACES]> {
+pub(crate) fn weighted_inverse(
+    b: &[[f64; SURFACES]; AXES],
+    free: [bool; SURFACES],
+    weights: [f64; AXES],
+) -> Option<[[f64; AXES]; SURFACES]> {
     let mut normal = [[0.0; SURFACES]; SURFACES];
     for i in 0..SURFACES {
         for j in 0..SURFACES {
             if free[i] && free[j] {
-                normal[i][j] = (0..AXES).map(|k| b[k][i] * WEIGHTS[k] * b[k][j]).sum();
+                normal[i][j] = (0..AXES).map(|k| b[k][i] * weights[k] * b[k][j]).sum();
             }
         }
         normal[i][i] += WORTH * WORTH;
@@ -184,7 +252,7 @@ pub(crate) fn weighted_inverse(b: &[[f64; SURFACES]; AXES], free: [bool; SURFACE
                 return 0.0;
             }
             let sum: f64 = (0..SURFACES).filter(|j| free[*j]).map(|j| cofactor(j, i) * b[k][j]).sum();
-            sum / determinant * WEIGHTS[k]
+            sum / determinant * weights[k]
         })
     });
     inverse.iter().flatten().all(|value| value.is_finite()).then_some(inverse)

@@ -85,6 +85,23 @@ impl Settings {
     }
 }
 
+/// Part of a demanded roll rate that is followed where the aircraft is rolled by a sideslip, and of the integration in roll. The rudder
+/// first rolls it the other way: with what it does at once (+8 1/s^2 of a fighter) and by the sideslip (-15) no loop in roll
+/// can be faster than some 2 rad/s, and the pilot closes one of 1 rad/s.
+const SLOWER: f64 = 0.4;
+/// Largest sideslip that the aircraft is rolled with, rad.
+const LARGEST_SIDESLIP: f64 = 0.17;
+
+/// A roll through sideslip.
+#[derive(Clone, Copy, Default)]
+struct ThroughSideslip {
+    /// Sideslip that is asked for, rad, and the yaw acceleration for that, rad/s^2.
+    sideslip: f64,
+    yaw: f64,
+    /// Sideslip beyond the largest one that the roll would need, rad.
+    beyond: f64,
+}
+
 /// The law with its memory.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Law {
@@ -148,6 +165,7 @@ impl Law {
             return false;
         }
         let state = self.deviations(&self.last);
+        let (was_rolled_by_sideslip, rolled) = (self.gains.roll_by_sideslip.is_some(), self.integral[0]);
         self.gains = gains;
         if self.settings.form == Form::Incremental {
             return true;
@@ -158,6 +176,12 @@ impl Law {
             let made: f64 = (0..SURFACES).map(|j| gains.surfaces[i][j] * moved[j]).sum();
             let by_state: f64 = (0..VARIABLES).map(|j| gains.added[i][j] * state[j]).sum();
             self.integral[i] = made - by_state - asked[i] + gains.constant[i];
+        }
+        if gains.roll_by_sideslip.is_some() {
+            // What ailerons that do not answer were asked for in vain says nothing of a constant moment.
+            self.integral[0] = if was_rolled_by_sideslip { rolled } else { 0.0 };
+            let needed = self.needed(&state, &asked);
+            self.integral[2] -= self.roll_through_sideslip(&needed, &state, &moved).yaw;
         }
         true
     }
@@ -179,16 +203,10 @@ impl Law {
             Form::Model => settings.surfaces,
             Form::Incremental => self.positions,
         };
-        let mut needed = [0.0; AXES];
-        for (i, needed) in needed.iter_mut().enumerate() {
-            let by_state = match settings.form {
-                Form::Model => (0..VARIABLES).map(|j| gains.added[i][j] * state[j]).sum::<f64>() - gains.constant[i],
-                Form::Incremental => {
-                    (0..VARIABLES).map(|j| gains.wanted[i][j] * state[j]).sum::<f64>() - self.accelerations[i]
-                }
-            };
-            *needed = by_state + asked[i] + self.integral[i];
-        }
+        let mut needed = self.needed(&state, &asked);
+        let stand = core::array::from_fn(|j| measured.surfaces[j] - from[j]);
+        let rolled = self.roll_through_sideslip(&needed, &state, &stand);
+        needed[2] += rolled.yaw;
         let ways: [[f64; 2]; SURFACES] = core::array::from_fn(|j| {
             let [lowest, highest] = if gains.free[j] { limits[j] } else { [measured.surfaces[j]; 2] };
             [lowest - from[j], highest - from[j]]
@@ -198,20 +216,26 @@ impl Law {
         let commands: [f64; SURFACES] =
             core::array::from_fn(|j| if gains.free[j] { from[j] + deflections[j] } else { measured.surfaces[j] });
         // What the surfaces could not give: integration in that direction would only wind up.
-        let short: [f64; AXES] = core::array::from_fn(|i| {
+        let mut short: [f64; AXES] = core::array::from_fn(|i| {
             let given: f64 = (0..SURFACES).map(|j| gains.surfaces[i][j] * deflections[j]).sum();
             needed[i] - given
         });
+        if let Some(by_sideslip) = gains.roll_by_sideslip {
+            // In sideslip, what the rudder could not give is short of the roll.
+            short[0] = by_sideslip * (rolled.beyond - short[2] / gains.wanted[2][BETA]);
+        }
+        let quickness = self.quickness();
         let errors = [
-            -gains.wanted[0][P] * (demand.roll_rate - state[P]),
+            -gains.wanted[0][P] * (quickness * demand.roll_rate - state[P]),
             -gains.wanted[1][Q] * (demand.pitch_rate - state[Q]),
-            gains.wanted[2][BETA] * (state[BETA] - demand.sideslip),
+            gains.wanted[2][BETA] * (state[BETA] - demand.sideslip - rolled.sideslip),
         ];
         for i in 0..AXES {
             // A tenth of what is asked of the axis: the price of deflection leaves a little behind in any case.
             let winds_up = short[i] * errors[i] > 0.0 && short[i].abs() > 0.1 * needed[i].abs();
             if !winds_up && errors[i].is_finite() {
-                self.integral[i] += settings.integration[i] * errors[i] * settings.sample_time;
+                let pace = if i == 0 { quickness } else { 1.0 };
+                self.integral[i] += pace * settings.integration[i] * errors[i] * settings.sample_time;
             }
         }
         // alpha' = q + Z_alpha alpha: the wanted motion has the angle of attack that goes with the commanded rate.
@@ -228,14 +252,54 @@ impl Law {
         self.commands
     }
 
+    /// Angular accelerations that the surfaces have to make (model form), or to make beside those that they make (incremental form), rad/s^2.
+    fn needed(&self, state: &[f64; VARIABLES], asked: &[f64; AXES]) -> [f64; AXES] {
+        let gains = &self.gains;
+        core::array::from_fn(|i| {
+            let by_state = match self.settings.form {
+                Form::Model => (0..VARIABLES).map(|j| gains.added[i][j] * state[j]).sum::<f64>() - gains.constant[i],
+                Form::Incremental => {
+                    (0..VARIABLES).map(|j| gains.wanted[i][j] * state[j]).sum::<f64>() - self.accelerations[i]
+                }
+            };
+            by_state + asked[i] + self.integral[i]
+        })
+    }
+
+    /// What the rudder is asked for so that the sideslip makes the roll acceleration that is needed; nothing where the ailerons make it.
+    /// `stand` says how far the surfaces are from where `needed` counts from, rad.
+    fn roll_through_sideslip(
+        &self,
+        needed: &[f64; AXES],
+        state: &[f64; VARIABLES],
+        stand: &[f64; SURFACES],
+    ) -> ThroughSideslip {
+        let gains = &self.gains;
+        let Some(by_sideslip) = gains.roll_by_sideslip else { return ThroughSideslip::default() };
+        // What a surface that stands makes need not be made.
+        let made: f64 = (0..SURFACES).filter(|j| !gains.free[*j]).map(|j| gains.surfaces[0][j] * stand[j]).sum();
+        let roll = needed[0] - made;
+        let sideslip = match self.settings.form {
+            Form::Model => (roll - gains.added[0][BETA] * state[BETA]) / by_sideslip,
+            Form::Incremental => state[BETA] + roll / by_sideslip,
+        };
+        let held = sideslip.clamp(-LARGEST_SIDESLIP, LARGEST_SIDESLIP);
+        ThroughSideslip { sideslip: held, yaw: -gains.wanted[2][BETA] * held, beyond: sideslip - held }
+    }
+
     /// Angular accelerations that the demand asks for, rad/s^2.
     fn asked(&self, demand: &Demand) -> [f64; AXES] {
         let wanted = &self.gains.wanted;
         [
-            -wanted[0][P] * demand.roll_rate,
+            -wanted[0][P] * self.quickness() * demand.roll_rate,
             -wanted[1][Q] * demand.pitch_rate - wanted[1][ALPHA] * self.climb,
             -wanted[2][R] * demand.yaw_rate - wanted[2][BETA] * demand.sideslip,
         ]
+    }
+
+    /// The part of a demanded roll rate that is followed.
+    fn quickness(&self) -> f64 {
+        if self.gains.roll_by_sideslip.is_some() { SLOWER } else { 1.0 }
     }
 
     fn deviations(&self, measured: &Measured) -> [f64; VARIABLES] {
@@ -285,11 +349,24 @@ mod tests {
     /// Flies a linear aircraft with the law; the surfaces follow at once. States `[alpha, beta, phi, p, q, r]`.
     fn fly(model: &LocalModel, law: &mut Law, demand: Demand, seconds: f64) -> [f64; STATES] {
         let mut x = [0.0; STATES];
+        fly_on(model, law, |_| demand, |u| u, &mut x, seconds);
+        x
+    }
+
+    /// The same from a state on, with a pilot who sees it and surfaces that do what `answer` makes of their commands.
+    fn fly_on(
+        model: &LocalModel,
+        law: &mut Law,
+        pilot: impl Fn(&[f64; STATES]) -> Demand,
+        answer: impl Fn([f64; 3]) -> [f64; 3],
+        x: &mut [f64; STATES],
+        seconds: f64,
+    ) {
         let a = model.closed_loop(&[[0.0; 5]; 3]);
-        let mut u = [0.0; 3];
+        let mut u = answer([0.0; 3]);
         for _ in 0..(seconds / 0.01) as usize {
             let measured = Measured { variables: [x[0], x[1], x[3], x[4], x[5]], surfaces: u };
-            u = law.update(&measured, &demand);
+            u = answer(law.update(&measured, &pilot(x)));
             for _ in 0..10 {
                 let mut rate = [0.0; STATES];
                 for i in 0..STATES {
@@ -303,7 +380,44 @@ mod tests {
                 (0..STATES).for_each(|i| x[i] += 0.001 * rate[i]);
             }
         }
-        x
+    }
+
+    /// Ailerons that stand at 1.5 deg and a bank angle of 20 deg: a pilot who asks for a roll rate of a second's bank angle levels the wings with
+    /// the rudder, by a sideslip that makes up for the ailerons, whether they are known to be lost or to have no effect.
+    #[test]
+    fn without_ailerons_the_rudder_rolls_the_aircraft_by_a_sideslip() {
+        const STUCK: f64 = 0.026;
+        let model = fighter();
+        let lost = [true, false, true];
+        for form in [Form::Model, Form::Incremental] {
+            let gains = Gains::place(&model, &Targets::default()).and_then(|gains| gains.with_free(lost)).unwrap();
+            let by_sideslip = gains.roll_by_sideslip.unwrap();
+            assert!((by_sideslip - (-30.0 + 9.0 / 4.5 * 8.0)).abs() < 1e-12);
+            let mut law = Law::new(settings(form), gains);
+            let mut x = [0.0, 0.0, 0.35, 0.0, 0.0, 0.0];
+            let level =
+                |x: &[f64; STATES]| Demand { roll_rate: -x[2], yaw_rate: 9.81 / 205.0 * x[2], ..Demand::default() };
+            fly_on(&model, &mut law, level, |u| [u[0], STUCK, u[2]], &mut x, 10.0);
+            assert!(x[2].abs() < 0.06, "{form:?} {x:?}");
+            fly_on(&model, &mut law, level, |u| [u[0], STUCK, u[2]], &mut x, 25.0);
+            // The ailerons roll with -45 of a radian and yaw with -2; the sideslip makes up for the roll of both and of the rudder.
+            assert!(x[2].abs() < 0.005 && (x[1] - -45.0 * STUCK / 14.0).abs() < 0.03, "{form:?} {x:?}");
+        }
+        // Where the model knows that they have no effect it does not matter whether they are used.
+        let mut dead = model;
+        (0..3).for_each(|i| dead.surfaces[i][1] = 0.0);
+        let gains = Gains::place(&dead, &Targets::default()).unwrap();
+        assert!(gains.roll_by_sideslip.is_some());
+        let roots = crate::roots::eigenvalues(&dead.closed_loop(&gains.feedback())).unwrap();
+        assert!(roots.iter().all(|root| root.real < 0.05), "{roots:?}");
+        // Used again, they roll it again.
+        let again = gains.with_free(lost).and_then(|gains| gains.with_free([true; 3])).unwrap();
+        assert_eq!(again, gains);
+        let whole = Gains::place(&model, &Targets::default()).unwrap();
+        assert_eq!(whole.with_free(lost).and_then(|gains| gains.with_free([true; 3])), Some(whole));
+        // Without a rudder nothing rolls it.
+        let none = whole.with_free([true, false, false]).unwrap();
+        assert_eq!(none.roll_by_sideslip, None);
     }
 
     #[test]

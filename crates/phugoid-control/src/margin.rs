@@ -72,7 +72,8 @@ pub fn margins(
         for j in 0..SURFACES {
             let mut effects = gains.surfaces;
             effects[i][j] += error.surfaces[i][j];
-            let other = weighted_inverse(&effects, gains.free).map_or([f64::NAN; SURFACES], |inverse| with(&inverse));
+            let other = weighted_inverse(&effects, gains.free, gains.weights());
+            let other = other.map_or([f64::NAN; SURFACES], |inverse| with(&inverse));
             (0..SURFACES).for_each(|k| by_effects[k] += (other[k] - moved[k]) * (other[k] - moved[k]));
         }
     }

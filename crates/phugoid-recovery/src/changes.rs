@@ -51,9 +51,14 @@ impl Changes {
                 }
                 self.adopted_s = Some(time_s);
             }
-            EventKind::RolledBack => self.before = None,
+            EventKind::RolledBack => (self.before, self.adopted_s) = (None, None),
             _ => {}
         }
+    }
+
+    /// Whether a change was adopted, and not taken back.
+    pub(crate) fn has_adopted(&self) -> bool {
+        self.adopted_s.is_some()
     }
 
     /// Notes what is known outside a doubt.

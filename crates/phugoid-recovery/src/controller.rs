@@ -14,6 +14,9 @@ use phugoid_control::target::Targets;
 const WORTH: f64 = 0.1;
 /// Time between two decisions, s.
 const EVERY: f64 = 0.2;
+/// Decisions in a row at which the motion has to be unexplained before the gains in reserve are taken without a suspicion of the estimator: a
+/// second. A gust is over by then.
+const PATIENCE: u32 = 5;
 /// Roll, pitch and yaw acceleration that noise and gusts make, rad/s^2.
 const FLOOR: [f64; AXES] = [0.25, 0.1, 0.05];
 /// Roll, pitch and yaw, as in "not controllable in pitch".
@@ -45,6 +48,8 @@ pub struct Controller {
     free: [bool; SURFACES],
     /// Gains for what is not known yet; none once gains of an estimate, or these, were taken.
     reserve: Option<Gains>,
+    /// Number of the last decisions in a row at which the model behind the present gains did not explain the motion.
+    unexplained: u32,
     recent: Recent,
     /// Where surfaces that are not used were when they were given up, rad: what they are told, so that one that moves with an addition to
     /// that can be told from one that does not. If they were told where they are, the command would follow the surface.
@@ -70,6 +75,9 @@ pub struct Told<'a> {
     pub is_in_doubt: bool,
     /// Whether the estimate is of the aircraft as it is: no change is suspected, and none was a moment ago.
     pub is_settled: bool,
+    /// Whether a change of the aircraft was adopted. Until then the estimate gives no gains: it may be of two aircraft, before damage that
+    /// nothing has noticed and after it, and those for the aircraft that took off, or for many damages, are the better ones.
+    pub has_changed: bool,
 }
 
 impl Controller {
@@ -87,6 +95,7 @@ impl Controller {
             excitation: excitation.map(Excitation::new),
             free: [true; SURFACES],
             reserve: None,
+            unexplained: 0,
             recent: Recent::new(),
             held: [None; SURFACES],
             probe: [0.0; SURFACES],
@@ -162,8 +171,10 @@ impl Controller {
             return decisions;
         }
         self.next_s = told.time_s + EVERY;
+        let explained = self.recent.explains(&self.law.gains().modelled(), FLOOR);
+        self.unexplained = if explained { 0 } else { self.unexplained.saturating_add(1) };
         if let Some(reserve) = self.reserve
-            && (told.is_in_doubt || !self.recent.explains(&self.law.gains().modelled(), FLOOR))
+            && (told.is_in_doubt || self.unexplained >= PATIENCE)
             && let Some(reserve) = reserve.with_free(self.free)
             && self.law.change_gains(reserve)
         {
@@ -184,6 +195,7 @@ impl Controller {
         {
             let is_better = told.is_truth
                 || (told.is_settled
+                    && told.has_changed
                     && self.recent.explains(&estimate.model, FLOOR)
                     && self.recent.prefers(&now.modelled(), &estimate.model)
                     && is_better(estimate, &now, &new));

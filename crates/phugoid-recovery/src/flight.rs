@@ -553,6 +553,7 @@ impl<'a> Loop<'a> {
             is_in_doubt: self.in_doubt,
             // A suspicion that was just given up may come back: what was estimated meanwhile is of two aircraft.
             is_settled: !self.in_doubt && time > self.dropped_s + self.scale.model_time(1.0),
+            has_changed: self.changes.has_adopted(),
         };
         for decision in self.controller.decide(&told) {
             // The oracle's gains follow the truth all the time.
@@ -561,7 +562,11 @@ impl<'a> Loop<'a> {
                 Decision::Reserve => {
                     (Kind::Reserve, "robust gains, because the aircraft does not move as it did".to_owned())
                 }
-                Decision::LeftOut => (Kind::NewGains, "the same gains with the surfaces that are left".to_owned()),
+                Decision::LeftOut => {
+                    let is_rolled = self.controller.gains().roll_by_sideslip.is_some();
+                    let how = if is_rolled { ": the rudder rolls the aircraft, by a sideslip" } else { "" };
+                    (Kind::NewGains, format!("the same gains with the surfaces that are left{how}"))
+                }
                 Decision::TakenBack => {
                     (Kind::NewGains, "the same gains with the surface that follows again".to_owned())
                 }

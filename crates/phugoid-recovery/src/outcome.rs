@@ -38,6 +38,8 @@ pub struct Left {
     pub told: [bool; 2],
     /// Whether elevator, aileron and rudder still move the aircraft about pitch, roll and yaw: they are used and have an effect.
     pub controlled: [bool; SURFACES],
+    /// Whether the rudder rolls the aircraft, by a sideslip, because its ailerons do not.
+    pub rolled_by_sideslip: bool,
     /// The worst motion within two standard errors, 1/s.
     pub worst: Excess,
     /// Angle of attack and sideslip that margins are of, the mean of the last seconds, rad: measured in what an estimate says, true in
@@ -83,6 +85,7 @@ pub(crate) fn left(asked: &Asked<'_>) -> Left {
         motion: (asked.told == [true; 2]).then(|| found.level()),
         told: asked.told,
         controlled,
+        rolled_by_sideslip: gains.roll_by_sideslip.is_some(),
         qualities: found,
         worst: worst(estimate, gains),
         flow_angles: [steady.variables[ALPHA], steady.variables[BETA]],
@@ -106,6 +109,8 @@ pub struct Outcome {
     /// Whether elevator, aileron and rudder truly still move the aircraft about pitch, roll and yaw. The levels are of the motion, whether
     /// it can be controlled or not.
     pub controlled: [bool; SURFACES],
+    /// Whether the last gains roll the aircraft with the rudder, by a sideslip, because its ailerons do not.
+    pub rolled_by_sideslip: bool,
     /// Levels of flying qualities of the true aircraft with the last gains, category B.
     pub qualities: Qualities,
     /// The worst of them.
@@ -159,6 +164,7 @@ pub(crate) fn judge(
         speed_change_m_s2: speed_change,
         holds_energy: scale.speed(speed * speed_change / gravity).abs() < CLIMB,
         controlled: std::array::from_fn(|j| gains.free[j] && truth.model.surfaces[MAIN_AXIS[j]][j] != 0.0),
+        rolled_by_sideslip: gains.roll_by_sideslip.is_some(),
         level: if departed { Level::Worse } else { found.level() },
         qualities: found,
         excess: excess(&truth.model, gains),

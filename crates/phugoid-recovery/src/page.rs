@@ -174,11 +174,16 @@ pub const fn level_word(level: Level) -> &'static str {
 }
 
 /// "not controllable in pitch and yaw", or none where the surfaces still move the aircraft about all axes.
-fn uncontrolled_words(controlled: &[bool; SURFACES]) -> Option<String> {
-    let axes: Vec<&str> = (0..SURFACES).filter(|j| !controlled[*j]).map(|j| AXIS_NAMES[MAIN_AXIS[j]]).collect();
-    let (last, others) = axes.split_last()?;
+fn uncontrolled_words(controlled: &[bool; SURFACES], rolled_by_sideslip: bool) -> Option<String> {
+    const AILERON: usize = 1;
+    let is_rolled = |j: usize| j == AILERON && rolled_by_sideslip;
+    let lost = || (0..SURFACES).filter(|j| !controlled[*j]);
+    let rolled = lost().any(is_rolled).then_some("rolled by the rudder alone, through sideslip");
+    let axes: Vec<&str> = lost().filter(|j| !is_rolled(*j)).map(|j| AXIS_NAMES[MAIN_AXIS[j]]).collect();
+    let Some((last, others)) = axes.split_last() else { return rolled.map(str::to_owned) };
     let named = if others.is_empty() { (*last).to_owned() } else { format!("{} and {last}", others.join(", ")) };
-    Some(format!("not controllable in {named}"))
+    let also = rolled.map(|words| format!(", {words}")).unwrap_or_default();
+    Some(format!("not controllable in {named}{also}"))
 }
 
 /// The level of flying qualities that an estimate gives, with the worst within its bounds and what it does not tell: "level 1 (2 within the
@@ -193,7 +198,7 @@ pub fn level_words(left: &Left) -> String {
     let untold = untold.map(|axes| {
         format!("nothing is said of them {axes}: the model does not estimate stability, damping and surface there")
     });
-    let uncontrolled = uncontrolled_words(&left.controlled);
+    let uncontrolled = uncontrolled_words(&left.controlled, left.rolled_by_sideslip);
     let said = match (left.level, left.level_within_bounds, &uncontrolled) {
         (Some(level), _, Some(why)) => Some(format!("{}: {why}", level_word(level))),
         (None, _, Some(why)) => Some(why.clone()),
@@ -226,7 +231,7 @@ pub fn ended_words(outcome: &Outcome) -> String {
 
 /// The true flying qualities at the end, in words.
 pub fn quality_words(outcome: &Outcome) -> String {
-    match uncontrolled_words(&outcome.controlled).filter(|_| !outcome.departed) {
+    match uncontrolled_words(&outcome.controlled, outcome.rolled_by_sideslip).filter(|_| !outcome.departed) {
         Some(why) => format!("{why}, its motion {}", level_word(outcome.level)),
         None => level_word(outcome.level).to_owned(),
     }

@@ -11,7 +11,7 @@ use phugoid_simulation::scenario::Scenario;
 use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::draw::{Class, DAMAGE_AT_S, classes, damaged};
-use crate::flight::{Control, Kind, RecoveryError, RecoveryFlight, Settings, fly};
+use crate::flight::{Control, Event, Kind, RecoveryError, RecoveryFlight, Settings, fly};
 
 /// What one control made of the damages of one class, or of all.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -40,7 +40,7 @@ pub struct Row {
     pub latency_90_percent_s: f64,
     /// Flights with new gains after the damage.
     pub with_new_gains: usize,
-    /// Flights whose gains changed before the damage: without a reason.
+    /// Flights whose gains changed before the damage, to those in reserve or to others: without a reason.
     pub without_reason: usize,
     /// Flights that did not depart and whose control knows an estimate at the end ...
     pub with_estimate: usize,
@@ -88,7 +88,7 @@ pub struct Short {
     pub level: Level,
     /// Time from the damage to new gains, s.
     pub latency_s: Option<f64>,
-    /// Gains changed before the damage.
+    /// Gains changed before the damage, to those in reserve or to others.
     pub early: bool,
     /// The level of the motion that the last estimate gives, as [`level`](Self::level) is that of the true motion; none without an estimate
     /// or after a departure.
@@ -159,7 +159,7 @@ pub fn recovery(
                     level_flight: flight.outcome.level_flight,
                     level: flight.outcome.level,
                     latency_s: after.map(|event| event.time_s - DAMAGE_AT_S),
-                    early: gains().any(|event| event.time_s < DAMAGE_AT_S),
+                    early: flight.events.iter().any(|event| is_change_of_gains(event) && event.time_s < DAMAGE_AT_S),
                     estimated_level: flight.left.filter(|_| !flight.outcome.departed).and_then(|left| left.motion),
                     margin_errors: margin_errors(&flight),
                 })
@@ -176,6 +176,11 @@ pub fn recovery(
     let rows = rows.collect();
     let flights = flights.into_iter().flatten().collect();
     Ok(RecoveryStudy { scenario: base.name.clone(), first_seed, damages, rows, flights })
+}
+
+/// Gains of an estimate, or those in reserve.
+fn is_change_of_gains(event: &Event) -> bool {
+    matches!(event.kind, Kind::NewGains | Kind::Reserve)
 }
 
 fn margin_errors(flight: &RecoveryFlight) -> Vec<f64> {

@@ -273,6 +273,26 @@ fn slow_damage_makes_no_narrow_bounds_that_are_wrong() {
     }
 }
 
+/// Ailerons that jam a degree from the middle roll an aircraft over that has nothing else to roll with. The rudder holds the wings level by a
+/// sideslip, and the text says so.
+#[test]
+fn without_ailerons_the_aircraft_is_flown_on_with_the_rudder() {
+    let jam = "[[failure]]\nsurface = \"aileron\"\nkind = \"jam\"\nposition = \"1 deg\"\nat = \"10 s\"\n";
+    let scenario = with_damage(jam, 3);
+    let fly = |control| fly(&scenario, &Settings { control, ..Settings::default() }, &model()).unwrap();
+    assert!(fly(Control::Fixed).outcome.departed);
+    for control in [Control::Adaptive, Control::Oracle] {
+        let flight = fly(control);
+        assert!(flight.outcome.level_flight && flight.outcome.rolled_by_sideslip, "{:?}", flight.events);
+        let words = phugoid_recovery::page::ended_words(&flight.outcome);
+        assert!(words.contains("rolled by the rudder alone, through sideslip"), "{words}");
+    }
+    let flight = fly(Control::Adaptive);
+    assert!(flight.events.iter().any(|event| event.text.contains("the rudder rolls the aircraft")));
+    let left = flight.left.unwrap();
+    assert!(left.rolled_by_sideslip && left.level == Some(Level::Worse));
+}
+
 /// With elevator, aileron and rudder jammed nothing is controlled, and neither a level nor an approach speed says otherwise.
 #[test]
 fn without_its_surfaces_an_aircraft_has_no_level_and_no_approach_speed() {
