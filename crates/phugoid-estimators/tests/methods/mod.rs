@@ -16,7 +16,7 @@ use crate::synthetic::Synthetic;
 pub const METHODS: [&str; 8] =
     ["smpe", "ekf", "considering-smpe", "considering-ekf", "rls", "fourier", "implicit-sign", "super-twisting"];
 /// Constants that the considering methods follow.
-const CONSTANTS: usize = 12;
+const CONSTANTS: usize = 14;
 
 /// What is done with an estimator.
 pub trait Run<const R: usize, const P: usize> {
