@@ -155,6 +155,14 @@ impl Recent {
         Some((squares.map(|square| libm::sqrt(square / n)), moved.map(|square| libm::sqrt(square / n))))
     }
 
+    /// Whether a model explains the last six tenths of a second much better than another: about some axis the other leaves more than half of
+    /// `floor` (rad/s^2: what noise and gusts make) unexplained, and this one less than half of that. False before a second of flight.
+    pub fn explains_much_better(&self, other: &LocalModel, model: &LocalModel, floor: [f64; AXES]) -> bool {
+        let left = |of: &LocalModel| Some(self.unexplained_of(of, SHORT)?.0);
+        let Some((other, this)) = left(other).zip(left(model)) else { return false };
+        (0..AXES).any(|i| other[i] > 0.5 * floor[i] && this[i] < 0.5 * other[i])
+    }
+
     /// What was flown in the last three seconds, on average, and how well a model's slopes say what was left of the angular
     /// accelerations beside rates and surfaces. `None` before a second of flight.
     pub fn steady(&self, model: &LocalModel) -> Option<Steady> {
@@ -258,6 +266,9 @@ mod tests {
         assert!(left.iter().zip(moved).all(|(left, moved)| *left < 0.1 * moved), "{left:?} {moved:?}");
         assert!(recent.has_explained(&truth, [0.0; 3]) && !recent.has_explained(&wrong, [0.0; 3]));
         assert!(recent.prefers(&wrong, &truth) && !recent.prefers(&truth, &wrong));
+        let better =
+            |other: &LocalModel, model: &LocalModel, floor| recent.explains_much_better(other, model, [floor; 3]);
+        assert!(better(&wrong, &truth, 0.01) && !better(&truth, &wrong, 0.0) && !better(&wrong, &truth, 10.0));
         // With the slopes of the truth nothing but the filter's edges is left, with wrong ones more.
         let noise = recent.steady(&truth).unwrap().noise;
         assert!(noise.iter().zip(moved).all(|(noise, moved)| *noise < 0.05 * moved), "{noise:?} {moved:?}");

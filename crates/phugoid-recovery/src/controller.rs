@@ -48,6 +48,8 @@ pub struct Controller {
     free: [bool; SURFACES],
     /// Gains for what is not known yet; none once gains of an estimate, or these, were taken.
     reserve: Option<Gains>,
+    /// The motion that those in reserve are placed for.
+    reserve_targets: Option<Targets>,
     /// Number of the last decisions in a row at which the model behind the present gains did not explain the motion.
     unexplained: u32,
     recent: Recent,
@@ -95,6 +97,7 @@ impl Controller {
             excitation: excitation.map(Excitation::new),
             free: [true; SURFACES],
             reserve: None,
+            reserve_targets: None,
             unexplained: 0,
             recent: Recent::new(),
             held: [None; SURFACES],
@@ -104,9 +107,10 @@ impl Controller {
     }
 
     /// The same with gains in reserve that hold for many damages: they are taken as soon as the aircraft does not move as the one that
-    /// the first gains are for, and nothing better is known.
-    pub fn with_reserve(self, reserve: Gains) -> Self {
-        Self { reserve: Some(reserve), ..self }
+    /// the first gains are for, and nothing better is known. `targets` is the motion that they are placed for, which may be asked of an
+    /// estimate as well.
+    pub fn with_reserve(self, reserve: Gains, targets: Targets) -> Self {
+        Self { reserve: Some(reserve), reserve_targets: Some(targets), ..self }
     }
 
     /// The law.
@@ -191,20 +195,39 @@ impl Controller {
                 decisions.push(if lost { Decision::LeftOut } else { Decision::TakenBack });
             }
         } else if let Some(estimate) = told.estimate
-            && let Some(new) = Gains::place_with(&estimate.model, &self.targets, self.free)
+            && let Some(new) = self.gains_for(told, estimate)
+            && self.law.change_gains(new)
         {
-            let is_better = told.is_truth
-                || (told.is_settled
-                    && told.has_changed
-                    && self.recent.explains(&estimate.model, FLOOR)
-                    && self.recent.prefers(&now.modelled(), &estimate.model)
-                    && is_better(estimate, &now, &new));
-            if is_better && self.law.change_gains(new) {
-                self.reserve = None;
-                decisions.push(Decision::NewGains);
-            }
+            self.reserve = None;
+            decisions.push(Decision::NewGains);
         }
         decisions
+    }
+
+    /// Gains for an estimate, where its bounds and the last seconds support them.
+    fn gains_for(&self, told: &Told<'_>, estimate: &Estimate) -> Option<Gains> {
+        let place = |targets: &Targets| Gains::place_with(&estimate.model, targets, self.free);
+        if told.is_truth {
+            return place(&self.targets);
+        }
+        let (now, recent) = (self.law.gains(), &self.recent);
+        if !(told.is_settled && told.has_changed && recent.explains(&estimate.model, FLOOR)) {
+            return None;
+        }
+        let supported = || place(&self.targets).filter(|new| is_better(estimate, now, new));
+        if recent.prefers(&now.modelled(), &estimate.model)
+            && let Some(new) = supported()
+        {
+            return Some(new);
+        }
+        // A wing that rolls the aircraft by its lift is nothing that the roots of the motion about straight flight show: those of gains that
+        // know nothing of it look well until it banks, and needs more lift. The last seconds show it.
+        let allowed =
+            |targets: &Targets| place(targets).filter(|new| Comparison::new(estimate, now, new).allows(0.5 * WORTH));
+        recent
+            .explains_much_better(&now.modelled(), &estimate.model, FLOOR)
+            .then(|| [Some(self.targets), self.reserve_targets].iter().flatten().find_map(allowed))
+            .flatten()
     }
 
     /// Commands of the law to elevator, aileron and rudder (rad) for one frame; a surface that is not used is told to stay where it was

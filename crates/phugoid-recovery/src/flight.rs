@@ -244,7 +244,7 @@ impl<'a> Loop<'a> {
     ) -> Result<Self, RecoveryError> {
         let scale = Scale::of(scenario);
         let gains = match settings.control {
-            Control::Robust => robust_gains(aircraft, &trim, &settings.targets, scale)?,
+            Control::Robust => robust_gains(aircraft, &trim, &settings.targets, scale)?.0,
             _ => healthy_gains(aircraft, &trim, &settings.targets, scale)?,
         };
         let controls = trim.controls();
@@ -272,7 +272,8 @@ impl<'a> Loop<'a> {
         let mut controller = Controller::new(Law::new(law, gains), settings.targets, followers, excitation);
         if learns {
             // What is not known yet is flown with the gains that hold for the most.
-            controller = controller.with_reserve(robust_gains(aircraft, &trim, &settings.targets, scale)?);
+            let (reserve, targets) = robust_gains(aircraft, &trim, &settings.targets, scale)?;
+            controller = controller.with_reserve(reserve, targets);
         }
         Ok(Self {
             scenario,

@@ -17,13 +17,14 @@ const SURFACE: [f64; 3] = [1.0, 0.7, 0.45];
 const STABILITY: [f64; 3] = [1.0, 0.5, -0.5];
 const DAMPING: [f64; 2] = [1.0, 0.5];
 
-/// The most robust gains for an aircraft: candidates are the placements for each damaged model with several targets.
+/// The most robust gains for an aircraft, with the motion that they are placed for: candidates are the placements for each damaged model with
+/// several targets.
 pub(crate) fn robust_gains<A: Aircraft>(
     aircraft: &A,
     trim: &Trim,
     targets: &Targets,
     scale: Scale,
-) -> Result<Gains, RecoveryError> {
+) -> Result<(Gains, Targets), RecoveryError> {
     let known = estimate(aircraft, trim, &[], &Declared::UNSTATED, trim.speed_m_s, trim.altitude_m);
     let healthy = scale.model(&known.model);
     let mut models = Vec::new();
@@ -46,19 +47,20 @@ pub(crate) fn robust_gains<A: Aircraft>(
                     dutch_roll_damping: 0.6 * damping,
                     ..*targets
                 };
-                candidates.extend(Gains::place(model, &wanted));
+                candidates.extend(Gains::place(model, &wanted).map(|gains| (gains, wanted)));
             }
         }
     }
     // High gains look robust to a model whose surfaces move at once. A delay counts as so much more lag.
     let lags = aircraft.actuators().each().map(|actuator| scale.time(actuator.lag + actuator.delay));
-    candidates.retain(|gains| stays_damped(&healthy, gains, lags));
+    candidates.retain(|(gains, _)| stays_damped(&healthy, gains, lags));
     // Only what gains of its own would hold can be asked of fixed ones.
     let feasible: Vec<LocalModel> = models
         .into_iter()
         .filter(|model| Gains::place(model, targets).is_some_and(|own| excess(model, &own).largest() < 0.0))
         .collect();
-    most_robust(feasible.iter(), candidates.into_iter()).ok_or(RecoveryError::NoGains)
+    let best = most_robust(feasible.iter(), candidates.iter().map(|(gains, _)| *gains));
+    best.and_then(|best| candidates.into_iter().find(|(gains, _)| *gains == best)).ok_or(RecoveryError::NoGains)
 }
 
 /// Damping ratio that oscillations faster than a phugoid keep with the lags of the actuators.

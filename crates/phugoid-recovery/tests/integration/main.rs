@@ -293,6 +293,18 @@ fn without_ailerons_the_aircraft_is_flown_on_with_the_rudder() {
     assert!(left.rolled_by_sideslip && left.level == Some(Level::Worse));
 }
 
+/// A wing that has lost a part rolls the aircraft by its lift, more so as it banks and needs more. With the robust gains, whose roots are well
+/// damped, it departs; gains that know of it are taken because they explain the motion and the others do not.
+#[test]
+fn a_wing_that_rolls_by_its_lift_is_held() {
+    let base = Scenario::parse(include_str!("../../../../scenarios/f16-recovery.toml"), "test").unwrap();
+    let scenario = damage(&base, 201, 9_900_000).unwrap();
+    let fly = |control| fly(&scenario, &Settings { control, ..Settings::default() }, &model()).unwrap();
+    assert!(fly(Control::Fixed).outcome.departed && fly(Control::Robust).outcome.departed);
+    let adaptive = fly(Control::Adaptive);
+    assert!(adaptive.outcome.is_recovered(), "{:?}", adaptive.events);
+}
+
 /// With elevator, aileron and rudder jammed nothing is controlled, and neither a level nor an approach speed says otherwise.
 #[test]
 fn without_its_surfaces_an_aircraft_has_no_level_and_no_approach_speed() {
