@@ -18,9 +18,6 @@ pub const WEIGHTS: [f64; AXES] = [1.0, 4.0, 1.0];
 /// Angular acceleration (rad/s^2) that a full radian of any surface has to give to be worth its deflection: the square of it is
 /// the price of deflection. A tenth of what the weakest surface of an ordinary aircraft gives.
 const WORTH: f64 = 0.15;
-/// Angular acceleration by a full radian, rad/s^2, below which ailerons, or a sideslip, are no means to roll an aircraft with: what the
-/// weakest surface of an ordinary aircraft gives.
-const WEAK: f64 = 10.0 * WORTH;
 /// Least damping of the roll that is asked for where the rudder rolls the aircraft, 1/s; what it has by itself is left alone if it is more.
 const LEAST_ROLL_DAMPING: f64 = 0.5;
 
@@ -213,14 +210,14 @@ impl Gains {
 /// What [`Gains::roll_by_sideslip`] is for this aircraft with these surfaces.
 fn roll_by_sideslip(model: &LocalModel, free: [bool; SURFACES]) -> Option<f64> {
     let (rates, surfaces) = (&model.rates, &model.surfaces);
-    let is_rolled_by_ailerons = free[AILERON] && surfaces[ROLL][AILERON].abs() > WEAK;
+    let is_rolled_by_ailerons = free[AILERON] && surfaces[ROLL][AILERON].abs() > WORTH;
     if is_rolled_by_ailerons || !free[RUDDER] || surfaces[YAW][RUDDER].abs() <= WORTH {
         return None;
     }
     // The rudder that holds one radian of sideslip.
     let rudder = -rates[YAW][BETA] / surfaces[YAW][RUDDER];
     let by_sideslip = rates[ROLL][BETA] + rudder * surfaces[ROLL][RUDDER];
-    (by_sideslip.abs() > WEAK).then_some(by_sideslip)
+    (by_sideslip.abs() > WORTH).then_some(by_sideslip)
 }
 
 /// `(B^T W B + D)^-1 B^T W` of the free surfaces; rows of the others are zero. `None` if it has numbers that are not finite.
