@@ -178,7 +178,7 @@ fn uncontrolled_words(controlled: &[bool; SURFACES], rolled_by_sideslip: bool) -
     const AILERON: usize = 1;
     let is_rolled = |j: usize| j == AILERON && rolled_by_sideslip;
     let lost = || (0..SURFACES).filter(|j| !controlled[*j]);
-    let rolled = lost().any(is_rolled).then_some("rolled by the rudder alone, through sideslip");
+    let rolled = lost().any(is_rolled).then_some("rolled only by the rudder, through sideslip");
     let axes: Vec<&str> = lost().filter(|j| !is_rolled(*j)).map(|j| AXIS_NAMES[MAIN_AXIS[j]]).collect();
     let Some((last, others)) = axes.split_last() else { return rolled.map(str::to_owned) };
     let named = if others.is_empty() { (*last).to_owned() } else { format!("{} and {last}", others.join(", ")) };
@@ -232,7 +232,7 @@ pub fn ended_words(outcome: &Outcome) -> String {
 /// The true flying qualities at the end, in words.
 pub fn quality_words(outcome: &Outcome) -> String {
     match uncontrolled_words(&outcome.controlled, outcome.rolled_by_sideslip).filter(|_| !outcome.departed) {
-        Some(why) => format!("{why}, its motion {}", level_word(outcome.level)),
+        Some(why) => format!("{} by its motion alone, {why}", level_word(outcome.level)),
         None => level_word(outcome.level).to_owned(),
     }
 }

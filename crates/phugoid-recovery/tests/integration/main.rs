@@ -285,7 +285,7 @@ fn without_ailerons_the_aircraft_is_flown_on_with_the_rudder() {
         let flight = fly(control);
         assert!(flight.outcome.level_flight && flight.outcome.rolled_by_sideslip, "{:?}", flight.events);
         let words = phugoid_recovery::page::ended_words(&flight.outcome);
-        assert!(words.contains("rolled by the rudder alone, through sideslip"), "{words}");
+        assert!(words.contains("rolled only by the rudder, through sideslip"), "{words}");
     }
     let flight = fly(Control::Adaptive);
     assert!(flight.events.iter().any(|event| event.text.contains("the rudder rolls the aircraft")));
