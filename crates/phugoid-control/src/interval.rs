@@ -15,7 +15,7 @@ const DAMPING: f64 = 0.3;
 /// Roots that are slower than this count less, rad/s.
 const SLOW: f64 = 0.6;
 /// A motion this far on the safe side is good enough, 1/s.
-const SAFE: f64 = -0.5;
+pub const SAFE: f64 = -0.5;
 /// Standard errors of the interval.
 const SIGMAS: f64 = 2.0;
 /// Number of uncertain entries of a model.

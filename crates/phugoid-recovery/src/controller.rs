@@ -3,11 +3,11 @@
 use phugoid_control::excitation::{Excitation, Now, Settings as ExcitationSettings};
 use phugoid_control::following::{Follower, Following};
 use phugoid_control::gains::Gains;
-use phugoid_control::interval::{Comparison, Estimate};
+use phugoid_control::interval::{Comparison, Estimate, SAFE, excess};
 use phugoid_control::law::{Demand, Law, Measured};
 use phugoid_control::local::{AXES, MAIN_AXIS, SURFACES};
 use phugoid_control::prediction::{Recent, Steady};
-use phugoid_control::qualities::{Category, qualities};
+use phugoid_control::qualities::{Category, Level, qualities};
 use phugoid_control::target::Targets;
 
 /// Gain of the worst motion that a change of gains has to bring, 1/s.
@@ -266,12 +266,17 @@ impl Controller {
     }
 }
 
-/// Whether the bounds support new gains: the worst motion gets better, or the flying qualities do and the worst motion stays.
+/// Whether the bounds support new gains: the worst motion gets better, or the flying qualities do and the worst motion stays. Gains that fly the
+/// estimated aircraft well are left alone: in the first tenths of a second after a change its bounds are wide, and the worst within them is
+/// bad whatever the gains.
 fn is_better(estimate: &Estimate, now: &Gains, new: &Gains) -> bool {
     let level = |gains: &Gains| {
         let matrix = estimate.model.closed_loop(&gains.feedback());
         qualities(&matrix, estimate.model.load_factor_per_alpha(), Category::B).level()
     };
+    if excess(&estimate.model, now).largest() <= SAFE && level(now) == Level::One {
+        return false;
+    }
     let comparison = Comparison::new(estimate, now, new);
     comparison.supports(WORTH) || (level(new) < level(now) && comparison.allows(0.5 * WORTH))
 }
