@@ -10,7 +10,7 @@
 //!
 //! Without ailerons the rudder rolls the aircraft, by the sideslip that it holds ([`Gains::roll_by_sideslip`]).
 
-use crate::local::{AXES, BETA, LocalModel, P, SURFACES, VARIABLES};
+use crate::local::{AILERON, AXES, BETA, LocalModel, P, ROLL, RUDDER, SURFACES, VARIABLES, YAW};
 use crate::target::Targets;
 
 /// Weight of roll, pitch and yaw acceleration where the surfaces cannot give all three.
@@ -20,11 +20,6 @@ pub const WEIGHTS: [f64; AXES] = [1.0, 4.0, 1.0];
 const WORTH: f64 = 0.15;
 /// Least damping of the roll that is asked for where the rudder rolls the aircraft, 1/s; what it has by itself is left alone if it is more.
 const LEAST_ROLL_DAMPING: f64 = 0.5;
-
-const ROLL: usize = 0;
-const YAW: usize = 2;
-const AILERON: usize = 1;
-const RUDDER: usize = 2;
 
 /// Gains of the law for one model of the aircraft.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -113,6 +108,7 @@ impl Gains {
             Some(_) => natural.rates[ROLL][P].min(-LEAST_ROLL_DAMPING),
             None => self.roll_damping,
         };
+        // Where it stays as it is nothing is rounded.
         if damping != gains.wanted[ROLL][P] {
             gains.wanted[ROLL][P] = damping;
             gains.added[ROLL][P] = damping - natural.rates[ROLL][P];

@@ -2,7 +2,7 @@
 //! and gains changed without a step of any surface.
 
 use crate::gains::Gains;
-use crate::local::{ALPHA, AXES, BETA, P, Q, R, SURFACES, VARIABLES};
+use crate::local::{ALPHA, AXES, BETA, P, Q, R, ROLL, SURFACES, VARIABLES, YAW};
 
 /// What is measured of the aircraft; rad and rad/s. A value that is no number is taken from the frame before.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -165,7 +165,7 @@ impl Law {
             return false;
         }
         let state = self.deviations(&self.last);
-        let (was_rolled_by_sideslip, rolled) = (self.gains.roll_by_sideslip.is_some(), self.integral[0]);
+        let (was_rolled_by_sideslip, rolled) = (self.gains.roll_by_sideslip.is_some(), self.integral[ROLL]);
         self.gains = gains;
         if self.settings.form == Form::Incremental {
             return true;
@@ -179,9 +179,9 @@ impl Law {
         }
         if gains.roll_by_sideslip.is_some() {
             // What ailerons that do not answer were asked for in vain says nothing of a constant moment.
-            self.integral[0] = if was_rolled_by_sideslip { rolled } else { 0.0 };
+            self.integral[ROLL] = if was_rolled_by_sideslip { rolled } else { 0.0 };
             let needed = self.needed(&state, &asked);
-            self.integral[2] -= self.roll_through_sideslip(&needed, &state, &moved).yaw;
+            self.integral[YAW] -= self.roll_through_sideslip(&needed, &state, &moved).yaw;
         }
         true
     }
@@ -206,7 +206,7 @@ impl Law {
         let mut needed = self.needed(&state, &asked);
         let stand = core::array::from_fn(|j| measured.surfaces[j] - from[j]);
         let rolled = self.roll_through_sideslip(&needed, &state, &stand);
-        needed[2] += rolled.yaw;
+        needed[YAW] += rolled.yaw;
         let ways: [[f64; 2]; SURFACES] = core::array::from_fn(|j| {
             let [lowest, highest] = if gains.free[j] { limits[j] } else { [measured.surfaces[j]; 2] };
             [lowest - from[j], highest - from[j]]
@@ -222,7 +222,7 @@ impl Law {
         });
         if let Some(by_sideslip) = gains.roll_by_sideslip {
             // In sideslip, what the rudder could not give is short of the roll.
-            short[0] = by_sideslip * (rolled.beyond - short[2] / gains.wanted[2][BETA]);
+            short[ROLL] = by_sideslip * (rolled.beyond - short[YAW] / gains.wanted[YAW][BETA]);
         }
         let quickness = self.quickness();
         let errors = [
@@ -234,7 +234,7 @@ impl Law {
             // A tenth of what is asked of the axis: the price of deflection leaves a little behind in any case.
             let winds_up = short[i] * errors[i] > 0.0 && short[i].abs() > 0.1 * needed[i].abs();
             if !winds_up && errors[i].is_finite() {
-                let pace = if i == 0 { quickness } else { 1.0 };
+                let pace = if i == ROLL { quickness } else { 1.0 };
                 self.integral[i] += pace * settings.integration[i] * errors[i] * settings.sample_time;
             }
         }
@@ -277,14 +277,14 @@ impl Law {
         let gains = &self.gains;
         let Some(by_sideslip) = gains.roll_by_sideslip else { return ThroughSideslip::default() };
         // What a surface that stands makes need not be made.
-        let made: f64 = (0..SURFACES).filter(|j| !gains.free[*j]).map(|j| gains.surfaces[0][j] * stand[j]).sum();
-        let roll = needed[0] - made;
+        let made: f64 = (0..SURFACES).filter(|j| !gains.free[*j]).map(|j| gains.surfaces[ROLL][j] * stand[j]).sum();
+        let roll = needed[ROLL] - made;
         let sideslip = match self.settings.form {
-            Form::Model => (roll - gains.added[0][BETA] * state[BETA]) / by_sideslip,
+            Form::Model => (roll - gains.added[ROLL][BETA] * state[BETA]) / by_sideslip,
             Form::Incremental => state[BETA] + roll / by_sideslip,
         };
         let held = sideslip.clamp(-LARGEST_SIDESLIP, LARGEST_SIDESLIP);
-        ThroughSideslip { sideslip: held, yaw: -gains.wanted[2][BETA] * held, beyond: sideslip - held }
+        ThroughSideslip { sideslip: held, yaw: -gains.wanted[YAW][BETA] * held, beyond: sideslip - held }
     }
 
     /// Angular accelerations that the demand asks for, rad/s^2.

@@ -21,6 +21,16 @@ pub const STATES: usize = 6;
 /// The axis that elevator, aileron and rudder are there for, among roll, pitch and yaw: pitch, roll, yaw.
 pub const MAIN_AXIS: [usize; SURFACES] = [1, 0, 2];
 
+/// Index of the roll axis.
+pub const ROLL: usize = 0;
+/// Yaw axis.
+pub const YAW: usize = 2;
+
+/// Index of the aileron among the surfaces.
+pub const AILERON: usize = 1;
+/// Rudder.
+pub const RUDDER: usize = 2;
+
 /// Indices of the feedback variables.
 pub const ALPHA: usize = 0;
 /// Sideslip.

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use phugoid_control::local::{MAIN_AXIS, SURFACES};
+use phugoid_control::local::{AILERON, MAIN_AXIS, SURFACES};
 use phugoid_control::lost::{Lost, Name};
 use phugoid_control::margin::Margin;
 use phugoid_control::qualities::Level;
@@ -175,7 +175,6 @@ pub const fn level_word(level: Level) -> &'static str {
 
 /// "not controllable in pitch and yaw", or none where the surfaces still move the aircraft about all axes.
 fn uncontrolled_words(controlled: &[bool; SURFACES], rolled_by_sideslip: bool) -> Option<String> {
-    const AILERON: usize = 1;
     let is_rolled = |j: usize| j == AILERON && rolled_by_sideslip;
     let lost = || (0..SURFACES).filter(|j| !controlled[*j]);
     let rolled = lost().any(is_rolled).then_some("rolled only by the rudder, through sideslip");

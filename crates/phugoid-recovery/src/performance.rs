@@ -15,7 +15,7 @@
 
 use phugoid_control::gains::Gains;
 use phugoid_control::interval::Estimate;
-use phugoid_control::local::{ALPHA, AXES, MAIN_AXIS, SURFACES};
+use phugoid_control::local::{AILERON, ALPHA, AXES, MAIN_AXIS, SURFACES};
 use phugoid_control::margin::Margin;
 use serde::Serialize;
 
@@ -344,12 +344,16 @@ fn slowest(speed: f64, load_factor: &Quantity, most: f64) -> Quantity {
 }
 
 /// Which axis has no surface that moves the aircraft about it any more, in words; none where all have.
-fn uncontrolled(margins: &[Margin; SURFACES]) -> Option<String> {
+fn uncontrolled(margins: &[Margin; SURFACES], rolled_by_sideslip: bool) -> Option<String> {
     // Pitch first: without it nothing else matters.
     let lost = margins.iter().enumerate().find(|(_, margin)| !(margin.is_used && margin.has_effect));
     lost.map(|(j, margin)| {
         let why = if margin.is_used { "has no effect within its bound" } else { "is lost" };
-        format!("not controllable in {}, because the {} {why}", AXIS_NAMES[MAIN_AXIS[j]], NAMES[j])
+        let what = match (j, rolled_by_sideslip) {
+            (AILERON, true) => "rolled only by the rudder".to_owned(),
+            _ => format!("not controllable in {}", AXIS_NAMES[MAIN_AXIS[j]]),
+        };
+        format!("{what}, because the {} {why}", NAMES[j])
     })
 }
 
@@ -362,7 +366,7 @@ fn control_speed(
     slowest: &Quantity,
     most: f64,
 ) -> Quantity {
-    if let Some(why) = uncontrolled(flown.margins) {
+    if let Some(why) = uncontrolled(flown.margins, flown.gains.roll_by_sideslip.is_some()) {
         return Quantity::unknown(why);
     }
     if !flown.motion_explained {

@@ -291,6 +291,8 @@ fn without_ailerons_the_aircraft_is_flown_on_with_the_rudder() {
     assert!(flight.events.iter().any(|event| event.text.contains("the rudder rolls the aircraft")));
     let left = flight.left.unwrap();
     assert!(left.rolled_by_sideslip && left.level == Some(Level::Worse));
+    let approach = flight.performance.unwrap().approach_m_s;
+    assert!(approach.value.is_none() && approach.note.contains("rolled only by the rudder, because"), "{approach:?}");
 }
 
 /// A wing that has lost a part rolls the aircraft by its lift, more so as it banks and needs more. With the robust gains, whose roots are well
