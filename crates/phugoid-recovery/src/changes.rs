@@ -34,6 +34,8 @@ pub(crate) struct Changes {
     /// Before the first of the last adoptions that followed one another.
     before: Option<Known>,
     adopted_s: Option<f64>,
+    /// Number of adopted changes that stand.
+    standing: u32,
 }
 
 impl Changes {
@@ -50,15 +52,19 @@ impl Changes {
                     self.before.clone_from(&self.before_doubt);
                 }
                 self.adopted_s = Some(time_s);
+                self.standing += 1;
             }
-            EventKind::RolledBack => (self.before, self.adopted_s) = (None, None),
+            EventKind::RolledBack => {
+                self.before = None;
+                self.standing = self.standing.saturating_sub(1);
+            }
             _ => {}
         }
     }
 
-    /// Whether a change was adopted, and not taken back.
+    /// Whether a change was adopted, and not taken back: one that is taken back leaves those before it.
     pub(crate) fn has_adopted(&self) -> bool {
-        self.adopted_s.is_some()
+        self.standing > 0
     }
 
     /// Notes what is known outside a doubt.
@@ -69,5 +75,23 @@ impl Changes {
     /// What was known before the last changes, and what is known after them; none where none was adopted.
     pub(crate) fn before_and_after(&self) -> Option<(&Known, &Known)> {
         self.before.as_ref().zip(self.now.as_ref())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A second change that is taken back leaves the first, and the first taken back leaves none.
+    #[test]
+    fn what_is_taken_back_leaves_the_changes_before_it() {
+        let mut changes = Changes::default();
+        let mut then = |kind, time_s| {
+            changes.event(kind, time_s, Scale::of_lengths(1.0));
+            changes.has_adopted()
+        };
+        assert!(then(EventKind::Adopted, 10.0) && then(EventKind::Adopted, 11.0));
+        assert!(then(EventKind::RolledBack, 12.0));
+        assert!(!then(EventKind::RolledBack, 13.0) && !then(EventKind::RolledBack, 14.0));
     }
 }
