@@ -15,6 +15,7 @@ pub mod atmosphere;
 pub mod built_in;
 #[cfg(feature = "std")]
 pub mod dryden;
+pub mod earth;
 pub mod f16;
 pub mod fuel;
 pub mod globe;

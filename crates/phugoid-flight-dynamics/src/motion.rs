@@ -1,12 +1,15 @@
-//! The equations of motion: six degrees of freedom over a flat earth, written once for every aircraft and scalar.
+//! The equations of motion: six degrees of freedom over a flat earth, written once for every aircraft and scalar; with what a
+//! planet adds to them where it is given.
 
 use crate::aircraft::{AirData, Aircraft, Coefficients, Controls, State};
+use crate::earth::LocalEarth;
 use crate::increments::{Increments, lift_drag_to_body};
 use crate::rigid_body::{Angles, attitude_equations, force_equations};
 use crate::scalar::Scalar;
+use crate::standard_atmosphere::geopotential_altitude;
 use crate::wind::LocalWind;
 
-/// What disturbs the flight. The default is nothing: still air and the database as it is.
+/// What disturbs the flight. The default is nothing: still air over a plane, and the database as it is.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Disturbance {
     /// Steady wind: the motion of the undisturbed air over the ground.
@@ -17,6 +20,8 @@ pub struct Disturbance {
     pub gust_rates: [f64; 3],
     /// Aerodynamic increments on top of the aircraft's database.
     pub increments: Increments,
+    /// The planet under the aircraft; none: a plane at rest, with the gravity that the aircraft's data assume.
+    pub earth: Option<LocalEarth>,
 }
 
 /// What the equations of motion give at one instant.
@@ -30,6 +35,8 @@ pub struct Motion<T = f64> {
     pub specific_force: [T; 3],
     /// Aerodynamic coefficients with the increments, body axes, moments about the centre of gravity.
     pub coefficients: Coefficients<T>,
+    /// Body rates relative to local north, east and down, rad/s: those of the attitude. Over a plane `p`, `q`, `r`.
+    pub turning: [T; 3],
 }
 
 /// Rates of the states of an aircraft from its state, controls and disturbance.
@@ -38,7 +45,9 @@ pub struct Motion<T = f64> {
 /// sideslip as states (their equation 2.5-29; thesis 2.14 to 2.23). Speed, angle of attack and sideslip of the state
 /// belong to the velocity relative to the undisturbed air; the aerodynamics see the velocity relative to the gust. The
 /// undisturbed air moves with the wind: it carries the aircraft over the ground, and where it changes with altitude the
-/// aircraft is accelerated relative to it ([`wind`](crate::wind)), which no accelerometer feels.
+/// aircraft is accelerated relative to it ([`wind`](crate::wind)), which no accelerometer feels. Over a planet
+/// ([`earth`](crate::earth)) `p`, `q`, `r` are relative to the stars and the altitude is geometric; derivatives by the position leave out
+/// that the planet is another one elsewhere.
 ///
 /// Singular, with results that are not finite, at zero speed, at 90 deg of pitch, and at 90 deg of sideslip.
 ///
@@ -80,8 +89,29 @@ pub fn motion<T: Scalar, A: Aircraft>(
     let altitude_rate = u * sin_theta - climbing * cos_theta;
     let sheared = disturbance.wind.is_sheared();
 
+    // Navigation equations: horizontal velocity along and across the heading, then turned to north and east.
+    let along = u * cos_theta + climbing * sin_theta;
+    let across = v * cos_phi - w * sin_phi;
+    let north_rate = along * cos_psi - across * sin_psi;
+    let east_rate = along * sin_psi + across * cos_psi;
+    let (north_rate, east_rate) = if disturbance.wind == LocalWind::default() {
+        (north_rate, east_rate)
+    } else {
+        let [north, east] = disturbance.wind.at(altitude);
+        (north_rate + north, east_rate + east)
+    };
+    let planet = disturbance.earth.as_ref().map(|earth| {
+        let wind = disturbance.wind.at(altitude);
+        Planetary::new(earth, &angles, [sin_psi, cos_psi], velocity, [north_rate, east_rate], wind, gravity)
+    });
+    let (turning, map) = match &planet {
+        None => ([p, q, r], None),
+        Some(planet) => (planet.turning([p, q, r]), disturbance.earth.map(|earth| earth.map)),
+    };
+
     // Motion relative to the air.
-    let local_air = aircraft.atmosphere().at(altitude);
+    let air_altitude = if planet.is_some() { geopotential_altitude(altitude) } else { altitude };
+    let local_air = aircraft.atmosphere().at(air_altitude);
     let gust = disturbance.gust;
     let still = gust == [0.0; 3];
     let (air_speed, air_alpha, air_beta, air_sin, air_cos) = if still {
@@ -102,8 +132,16 @@ pub fn motion<T: Scalar, A: Aircraft>(
         mach: air_speed / local_air.speed_of_sound,
     };
 
-    let turning = disturbance.gust_rates;
-    let air_rates = if turning == [0.0; 3] { [p, q, r] } else { [p - turning[0], q - turning[1], r - turning[2]] };
+    let gust_rates = disturbance.gust_rates;
+    let to_earth = match &planet {
+        None => [p, q, r],
+        Some(planet) => [p - planet.rotation[0], q - planet.rotation[1], r - planet.rotation[2]],
+    };
+    let air_rates = if gust_rates == [0.0; 3] {
+        to_earth
+    } else {
+        [to_earth[0] - gust_rates[0], to_earth[1] - gust_rates[1], to_earth[2] - gust_rates[2]]
+    };
     let mut coefficients = aircraft.coefficients(&air, air_rates, controls);
     let increments = &disturbance.increments;
     if increments.is_longitudinal() {
@@ -128,7 +166,7 @@ pub fn motion<T: Scalar, A: Aircraft>(
         coefficients.cn = coefficients.cn + yaw;
     }
 
-    let propulsion = aircraft.propulsion(power, altitude, air.mach);
+    let propulsion = aircraft.propulsion(power, air_altitude, air.mach);
     if let Some(blown) = aircraft.slipstream_coefficients(&propulsion, &air, air_rates, controls) {
         coefficients = coefficients.with(&blown, T::from(1.0));
     }
@@ -143,10 +181,12 @@ pub fn motion<T: Scalar, A: Aircraft>(
     };
     // What accelerates the aircraft relative to the air: in a shear the air does as well.
     let shear = sheared.then(|| shear_acceleration(&disturbance.wind, &angles, [sin_psi, cos_psi], altitude_rate));
-    let through_air = |felt: [T; 3]| match shear {
-        None => felt,
-        Some(shear) => [felt[0] + shear[0], felt[1] + shear[1], felt[2] + shear[2]],
+    let plus = |a: [T; 3], b: Option<[T; 3]>| match b {
+        None => a,
+        Some(b) => [a[0] + b[0], a[1] + b[1], a[2] + b[2]],
     };
+    let beside_plane = planet.as_ref().map(|planet| planet.acceleration);
+    let through_air = |felt: [T; 3]| plus(plus(felt, shear), beside_plane);
     if let Some(slope) = aircraft.alpha_rate_coefficients(&air, air_rates, controls) {
         // alpha' = without + gain alpha': the forces are linear in the rate that they make.
         let without = through_air(specific_force_of(&coefficients));
@@ -164,23 +204,15 @@ pub fn motion<T: Scalar, A: Aircraft>(
 
     let [speed_rate, alpha_rate, beta_rate] =
         force_equations(speed, &angles, velocity, [p, q, r], through_air(specific_force), gravity);
-    let [phi_rate, theta_rate, psi_rate] = attitude_equations(&angles, [p, q, r]);
+    let [phi_rate, theta_rate, psi_rate] = attitude_equations(&angles, turning);
 
     // Moment equations.
     let [p_rate, q_rate, r_rate] = mass.angular_acceleration([p, q, r], moment);
 
-    // Navigation equations: horizontal velocity along and across the heading, then turned to north and east.
-    let along = u * cos_theta + climbing * sin_theta;
-    let across = v * cos_phi - w * sin_phi;
-    let north_rate = along * cos_psi - across * sin_psi;
-    let east_rate = along * sin_psi + across * cos_psi;
-    let (north_rate, east_rate) = if disturbance.wind == LocalWind::default() {
-        (north_rate, east_rate)
-    } else {
-        let [north, east] = disturbance.wind.at(altitude);
-        (north_rate + north, east_rate + east)
+    let [north_rate, east_rate] = match map {
+        None => [north_rate, east_rate],
+        Some([north, east]) => [north_rate * north, east_rate * east],
     };
-
     let rates = State {
         speed: speed_rate,
         alpha: alpha_rate,
@@ -196,7 +228,7 @@ pub fn motion<T: Scalar, A: Aircraft>(
         altitude: altitude_rate,
         power: aircraft.power_rate(controls.throttle, power),
     };
-    Motion { rates, air, specific_force, coefficients }
+    Motion { rates, air, specific_force, coefficients, turning }
 }
 
 /// Acceleration of the aircraft relative to the air in body axes, m/s^2, because the air that it comes into moves
@@ -207,10 +239,67 @@ fn shear_acceleration<T: Scalar>(
     [sin_psi, cos_psi]: [T; 2],
     altitude_rate: T,
 ) -> [T; 3] {
+    level_to_body(angles, [sin_psi, cos_psi], wind.shear.map(|shear| altitude_rate * -shear))
+}
+
+/// Body components of a vector with components towards north and east. Sine and cosine of the heading.
+fn level_to_body<T: Scalar>(angles: &Angles<T>, [sin_psi, cos_psi]: [T; 2], [north, east]: [T; 2]) -> [T; 3] {
     let &Angles { sin_phi, cos_phi, sin_theta, cos_theta, .. } = angles;
-    let [north, east] = wind.shear.map(|shear| altitude_rate * -shear);
     // Along and across the heading, then to body axes.
     let along = north * cos_psi + east * sin_psi;
     let across = east * cos_psi - north * sin_psi;
     [along * cos_theta, along * sin_theta * sin_phi + across * cos_phi, along * sin_theta * cos_phi - across * sin_phi]
+}
+
+/// Body components of a vector with components towards north, east and down. Sine and cosine of the heading.
+fn to_body<T: Scalar>(angles: &Angles<T>, heading: [T; 2], [north, east, down]: [T; 3]) -> [T; 3] {
+    let &Angles { sin_phi, cos_phi, sin_theta, cos_theta, .. } = angles;
+    let [x, y, z] = level_to_body(angles, heading, [north, east]);
+    [x - down * sin_theta, y + down * cos_theta * sin_phi, z + down * cos_theta * cos_phi]
+}
+
+fn cross<T: Scalar>(a: [T; 3], b: [T; 3]) -> [T; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+/// What a planet adds to the equations of a plane at rest ([`earth`](crate::earth)), body axes.
+struct Planetary<T> {
+    /// Rotation of the planet, rad/s.
+    rotation: [T; 3],
+    /// Rotation of the local axes, rad/s.
+    local_axes: [T; 3],
+    /// Acceleration relative to the air beside that over a plane with the aircraft's own gravity, m/s^2.
+    acceleration: [T; 3],
+}
+
+impl<T: Scalar> Planetary<T> {
+    /// Sine and cosine of the `heading`, the `velocity` relative to the undisturbed air in body axes (m/s), that over the ground
+    /// and that of the wind towards north and east (m/s), and the gravity of the plane (m/s^2).
+    fn new(
+        earth: &LocalEarth,
+        angles: &Angles<T>,
+        heading: [T; 2],
+        velocity: [T; 3],
+        over_ground: [T; 2],
+        [wind_north, wind_east]: [T; 2],
+        plane_gravity: f64,
+    ) -> Self {
+        let body = |ned: [T; 3]| to_body(angles, heading, ned);
+        let spin = earth.rotation.map(T::from);
+        let carried = earth.transport_rate(over_ground);
+        let local_axes = core::array::from_fn(|i| spin[i] + carried[i]);
+        let rotation = body(spin);
+        let coriolis = cross(rotation, velocity);
+        let of_wind = cross(core::array::from_fn(|i| spin[i] + local_axes[i]), [wind_north, wind_east, T::from(0.0)]);
+        let [north, east, down] = earth.gravity;
+        let pulled = [T::from(north), T::from(east), T::from(down - plane_gravity)];
+        let beside = body(core::array::from_fn(|i| pulled[i] - of_wind[i]));
+        Self { rotation, local_axes: body(local_axes), acceleration: core::array::from_fn(|i| beside[i] - coriolis[i]) }
+    }
+
+    /// Body rates relative to the local axes, from those relative to the stars, rad/s.
+    fn turning(&self, [p, q, r]: [T; 3]) -> [T; 3] {
+        let [x, y, z] = self.local_axes;
+        [p - x, q - y, r - z]
+    }
 }

@@ -6,6 +6,7 @@ mod lighter;
 mod stepper;
 
 use crate::aircraft::{AirData, Aircraft, Coefficients, Controls, Propulsion, State};
+use crate::globe::planet::Geodetic;
 use crate::gust::AirMotion;
 use crate::increments::IncrementSchedule;
 
@@ -96,6 +97,8 @@ pub struct TrajectorySample {
     pub wind: [f64; 2],
     /// Velocity over the ground towards north, east and down, m/s.
     pub ground_velocity: [f64; 3],
+    /// Latitude, longitude and altitude; none over a plane.
+    pub place: Option<Geodetic>,
     /// Mass of the aircraft, kg.
     pub mass: f64,
     /// Fuel that is left, kg; none for an aircraft whose mass stays as it is.

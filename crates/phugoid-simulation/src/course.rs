@@ -15,7 +15,8 @@ use phugoid_flight_dynamics::wind::WindProfile;
 use crate::damaged::{Damaged, Effects};
 use crate::flight::FlightError;
 use crate::manoeuvre::Surface;
-use crate::scenario::{FailureKind, Scenario, ScenarioError, Spectrum, Wind};
+use crate::scenario::{Attitude, FailureKind, Scenario, ScenarioError, Spectrum, Wind};
+use crate::start::state_of;
 
 /// Integration steps per sample: the half sample keeps the truncation error of the fastest actuator mode far below any
 /// sensor's noise.
@@ -107,9 +108,14 @@ impl<'a, A: Aircraft> Course<'a, A> {
         let wind = scenario.wind.as_ref().map_or_else(|| Ok(WindProfile::default()), Wind::profile);
         let wind = wind.map_err(|message| ScenarioError::OutOfRange { place: scenario.name.clone(), message })?;
         let controls = trim.controls();
-        let stepper = Stepper::new(trim.state(), controls, sample_time, SUBSTEPS, CommandHold::Sample)
+        let stepper = Stepper::new(state_of(scenario, trim), controls, sample_time, SUBSTEPS, CommandHold::Sample)
             .with_actuators(scenario.aircraft.actuators)
-            .with_wind(wind.clone());
+            .with_wind(wind.clone())
+            .over(scenario.earth_below());
+        let stepper = match scenario.attitude {
+            Attitude::Euler => stepper,
+            Attitude::Quaternion => stepper.with_quaternion(),
+        };
         let gust = |g: &crate::scenario::GustSettings| Gust {
             axis: g.axis,
             amplitude: g.amplitude.si(),

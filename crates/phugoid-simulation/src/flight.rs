@@ -12,7 +12,7 @@ use phugoid_flight_dynamics::built_in::BuiltInAircraft;
 use phugoid_flight_dynamics::dryden::DrydenError;
 use phugoid_flight_dynamics::f16::F16DataError;
 use phugoid_flight_dynamics::simulate::{SimulationError, Trajectory, TrajectorySample};
-use phugoid_flight_dynamics::trim::{Trim, TrimCondition, TrimError, trim};
+use phugoid_flight_dynamics::trim::{Trim, TrimError};
 
 use crate::aircraft::{AircraftError, AnyAircraft};
 use crate::constant_thrust::ConstantThrust;
@@ -22,7 +22,8 @@ use crate::equivalent::damage_increments;
 use crate::model_error::Misjudged;
 use crate::scenario::{ModelError, RecordedSurfaces, Scenario, ScenarioError, Thrust};
 use crate::sensing::{command_channel, measure};
-use crate::signals::{OVER_THE_GROUND, SIGNALS, Signal};
+use crate::signals::{OVER_THE_GROUND, PLACE, SIGNALS, Signal};
+use crate::start::trim_of;
 
 /// A flown scenario: what the sensors measured, what was true, and where the flight started.
 #[derive(Clone, Debug)]
@@ -289,17 +290,6 @@ pub fn trimmed_aircraft(scenario: &Scenario) -> Result<(Arc<AnyAircraft>, Trim),
     Ok((aircraft, trim))
 }
 
-/// The steady flight that a scenario starts in, of any aircraft.
-///
-/// # Errors
-/// [`TrimError`]: the aircraft has no steady flight in this condition.
-pub fn trim_of<A: Aircraft>(aircraft: &A, scenario: &Scenario) -> Result<Trim, TrimError> {
-    let at = &scenario.condition;
-    let condition =
-        TrimCondition::steady(aircraft, at.speed.si(), at.altitude.si(), at.flight_path.si(), at.turn_rate.si());
-    trim(aircraft, &condition)
-}
-
 /// What the scenario's sensors make of a true record, with a seed of their noise. Constant errors that are not drawn yet are
 /// drawn from the same seed.
 ///
@@ -375,6 +365,13 @@ fn true_record(scenario: &Scenario, trajectory: &Trajectory, thrust: impl Fn(&Tr
     if samples.iter().any(|sample| sample.fuel.is_some()) {
         let values = samples.iter().map(|sample| sample.mass).collect();
         channels.push(Channel { name: "mass".to_owned(), quantity: Quantity::Mass, values });
+    }
+    if scenario.earth.is_some() {
+        channels.extend(PLACE.iter().map(|(name, get)| Channel {
+            name: (*name).to_owned(),
+            quantity: Quantity::Angle,
+            values: samples.iter().map(get).collect(),
+        }));
     }
     // In still air the speed over the ground says nothing that the others do not, and records stay as they are.
     let windy = scenario.wind.is_some();

@@ -15,5 +15,6 @@ pub mod quantity;
 pub mod scenario;
 pub mod sensing;
 pub mod signals;
+pub mod start;
 mod text;
 mod toml_tree;

@@ -5,6 +5,7 @@ mod aircraft;
 mod built_in;
 mod damage;
 mod draw;
+mod earth;
 mod failure;
 mod ranges;
 mod sensors;
@@ -13,6 +14,7 @@ mod wind;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use phugoid_flight_dynamics::earth::Earth;
 use phugoid_flight_dynamics::increments::Increments;
 use serde::Deserialize;
 
@@ -20,6 +22,7 @@ pub use self::air::{GustSettings, Spectrum, Turbulence};
 pub use self::aircraft::{AircraftSettings, Condition, DamageWord, ModelError, RecordedSurfaces, TableFactors, Thrust};
 pub use self::built_in::{BUILT_IN, built_in};
 pub use self::damage::Damage;
+pub use self::earth::{Attitude, EarthSettings, EarthShape};
 pub use self::failure::{Failure, FailureKind};
 pub use self::ranges::Ranges;
 pub use self::sensors::{Sensor, Sensors};
@@ -47,6 +50,11 @@ pub struct Scenario {
     pub aircraft: AircraftSettings,
     /// Where the flight starts, in trim.
     pub condition: Condition,
+    /// The planet that it goes over; a plane at rest if it is not given.
+    pub earth: Option<EarthSettings>,
+    /// In what the attitude is integrated.
+    #[serde(default)]
+    pub attitude: Attitude,
     /// Commands to the surfaces, added to their trim positions; several to one surface add up.
     #[serde(default)]
     pub manoeuvre: Vec<Manoeuvre>,
@@ -190,6 +198,11 @@ impl Scenario {
         Ok(scenario)
     }
 
+    /// The planet below the flight; none for a plane, and for an [`EarthSettings`] that [`check`](Self::check) refuses.
+    pub fn earth_below(&self) -> Option<Earth> {
+        self.earth?.earth().ok()
+    }
+
     /// Number of samples, both ends included.
     pub fn samples(&self) -> usize {
         (self.duration.si() * self.sample_rate.si() + 1e-9) as usize + 1
@@ -256,6 +269,13 @@ impl Scenario {
         if let Some(wind) = &self.wind {
             wind.profile()?;
         }
+        if let Some(earth) = &self.earth {
+            earth.earth()?;
+        }
+        range(
+            self.condition.heading.si().abs() <= std::f64::consts::TAU,
+            "`condition.heading` is from 0 to 360 deg, clockwise from north",
+        )?;
         Ok(())
     }
 }

@@ -43,6 +43,12 @@ pub(crate) const OVER_THE_GROUND: &[(&str, Signal)] = &[
     ("wind_east", |s| s.wind[1]),
 ];
 
+/// Where a flight over a planet is: latitude and longitude, rad; NaN over a plane.
+pub(crate) const PLACE: &[(&str, Signal)] = &[
+    ("latitude", |s| s.place.map_or(f64::NAN, |place| place.latitude)),
+    ("longitude", |s| s.place.map_or(f64::NAN, |place| place.longitude)),
+];
+
 /// How to read the true value of a channel off a sample, SI; `None` for a name that no sample has.
 ///
 /// ```
@@ -55,6 +61,7 @@ pub fn signal(name: &str) -> Option<Signal> {
         "mass" => return Some(|sample| sample.mass),
         _ => {}
     }
-    let over_the_ground = || OVER_THE_GROUND.iter().find(|(known, _)| *known == name).map(|(_, value)| *value);
+    let over_the_ground =
+        || OVER_THE_GROUND.iter().chain(PLACE).find(|(known, _)| *known == name).map(|(_, value)| *value);
     SIGNALS.iter().find(|(known, ..)| *known == name).map(|(_, _, value)| *value).or_else(over_the_ground)
 }

@@ -5,14 +5,21 @@ use super::lighter::Lighter;
 use super::{CommandHold, SimulationError, TrajectorySample, grid_time};
 use crate::actuator::ACTUATOR_STATES;
 use crate::aircraft::{Aircraft, Controls, STATES, State};
+use crate::earth::Earth;
+use crate::globe::attitude::{EulerAngles, Quaternion};
+use crate::globe::vector::product;
 use crate::gust::AirMotion;
 use crate::increments::Increments;
 use crate::integrate::rk4_step;
-use crate::motion::{Disturbance, motion};
+use crate::motion::{Disturbance, Motion, motion};
+use crate::rigid_body::{Angles, attitude_equations};
+use crate::standard_atmosphere::geopotential_altitude;
 use crate::wind::WindProfile;
 
 /// Aircraft states and the three surface positions.
 const VECTOR: usize = STATES + ACTUATOR_STATES;
+/// Places of roll, pitch and heading angle among them.
+const ATTITUDE: std::ops::Range<usize> = 3..6;
 
 const NAMES: [&str; VECTOR] = [
     "speed", "alpha", "beta", "phi", "theta", "psi", "p", "q", "r", "north", "east", "altitude", "power", "elevator",
@@ -51,7 +58,10 @@ pub struct Instant {
 /// ```
 #[derive(Clone, Debug)]
 pub struct Stepper {
+    /// Where the attitude is kept in `attitude`, its angles are those since the step began: zero.
     x: [f64; VECTOR],
+    /// The attitude at the beginning of the step, where it is kept as a quaternion.
+    attitude: Option<Quaternion>,
     /// Surface positions behind the play of their actuators, rad.
     surfaces: [f64; ACTUATOR_STATES],
     /// Commands that actuators with a delay still have to get.
@@ -65,6 +75,7 @@ pub struct Stepper {
     hold: CommandHold,
     use_actuators: bool,
     wind: WindProfile,
+    earth: Option<Earth>,
 }
 
 impl Stepper {
@@ -76,6 +87,7 @@ impl Stepper {
         let substeps = substeps.max(1);
         Self {
             x,
+            attitude: None,
             surfaces,
             delay,
             burnt: 0.0,
@@ -85,6 +97,7 @@ impl Stepper {
             hold,
             use_actuators: true,
             wind: WindProfile::default(),
+            earth: None,
         }
     }
 
@@ -101,6 +114,24 @@ impl Stepper {
         Self { wind, ..self }
     }
 
+    /// The same flight over a planet; without one, or with none, over a plane. `p`, `q` and `r` of the state are then relative to
+    /// the stars, the altitude is geometric, and `north` and `east` are as in [`earth`](crate::earth).
+    #[must_use]
+    pub fn over(self, earth: Option<Earth>) -> Self {
+        Self { earth, ..self }
+    }
+
+    /// The same flight with its attitude kept as a quaternion from step to step, in place of Euler angles, which fail at 90 deg of
+    /// pitch: it flies loops. Within a step it turns by small angles from where the step began. Roll angle and heading of the
+    /// state are then from -pi to pi.
+    #[must_use]
+    pub fn with_quaternion(mut self) -> Self {
+        let state = self.state();
+        self.attitude = Some(Quaternion::default());
+        self.set_state(&state);
+        self
+    }
+
     /// Time since the start of the flight, s.
     pub fn time(&self) -> f64 {
         grid_time(self.k, self.sample_time)
@@ -108,13 +139,22 @@ impl Stepper {
 
     /// State of the aircraft now.
     pub fn state(&self) -> State {
-        split(&self.x).0
+        turned(self.attitude.as_ref(), split(&self.x).0)
     }
 
     /// Puts the aircraft into another state; surfaces and time stay. For an aircraft whose centre of gravity jumps in the body.
     pub fn set_state(&mut self, state: &State) {
         let (_, surfaces) = split(&self.x);
         self.x = join(state, surfaces);
+        if let Some(attitude) = &mut self.attitude {
+            *attitude = Quaternion::of_matrix(&angles(state).matrix());
+            self.x[ATTITUDE].fill(0.0);
+        }
+    }
+
+    /// The altitude by which the aircraft's atmosphere counts, m.
+    fn air_altitude(&self, state: &State) -> f64 {
+        if self.earth.is_some() { geopotential_altitude(state.altitude) } else { state.altitude }
     }
 
     /// Surface positions behind the actuators and their play, `[elevator, aileron, rudder]`, rad. Without actuators they are where
@@ -132,10 +172,12 @@ impl Stepper {
     }
 
     fn sample_of<A: Aircraft>(&self, aircraft: &A, now: &Instant, fuel: Option<f64>) -> TrajectorySample {
-        let (state, _) = split(&self.x);
+        let state = self.state();
         let wind = self.wind.at(state.altitude);
         let (gust, gust_rates) = (now.air.velocity, now.air.rates);
-        let disturbance = Disturbance { wind, gust, gust_rates, increments: now.increments };
+        let earth = self.earth.map(|earth| earth.under(&state));
+        let disturbance = Disturbance { wind, gust, gust_rates, increments: now.increments, earth };
+        let [north, east] = earth.map_or([1.0; 2], |earth| earth.map);
         let actuators = self.use_actuators.then(|| aircraft.actuators());
         let surfaces = actuators.map_or(now.commands, |a| a.controls(&now.commands, self.surfaces));
         let motion = motion(aircraft, &state, &surfaces, &disturbance);
@@ -147,10 +189,11 @@ impl Stepper {
             air: motion.air,
             specific_force: motion.specific_force,
             angular_acceleration: [motion.rates.p, motion.rates.q, motion.rates.r],
-            propulsive_force: aircraft.propulsion(state.power, state.altitude, motion.air.mach).force,
+            propulsive_force: aircraft.propulsion(state.power, self.air_altitude(&state), motion.air.mach).force,
             coefficients: motion.coefficients,
             wind: wind.velocity,
-            ground_velocity: [motion.rates.north, motion.rates.east, -motion.rates.altitude],
+            ground_velocity: [motion.rates.north / north, motion.rates.east / east, -motion.rates.altitude],
+            place: self.earth.map(|earth| earth.place(state.north, state.east, state.altitude)),
             mass: aircraft.mass_properties().mass(),
             fuel,
         }
@@ -178,9 +221,11 @@ impl Stepper {
         air: impl FnMut(f64) -> AirMotion,
         increments: impl Fn(f64) -> Increments,
     ) -> Result<(), SimulationError> {
+        let over_earth = self.earth.is_some();
         let flow = |state: &State| {
-            let mach = state.speed / aircraft.atmosphere().at(state.altitude).speed_of_sound;
-            aircraft.fuel_flow(state.power, state.altitude, mach)
+            let altitude = if over_earth { geopotential_altitude(state.altitude) } else { state.altitude };
+            let mach = state.speed / aircraft.atmosphere().at(altitude).speed_of_sound;
+            aircraft.fuel_flow(state.power, altitude, mach)
         };
         let Some(now) = aircraft.after_burning(self.burnt) else {
             return self.advance_as(aircraft, command, commands, air, increments);
@@ -214,7 +259,7 @@ impl Stepper {
             let t = time + substep as f64 * step;
             if substep > 0 {
                 if self.hold == CommandHold::Step {
-                    command = commands(t, &split(&self.x).0);
+                    command = commands(t, &self.state());
                 }
                 disturbance.increments = increments(t);
             }
@@ -223,18 +268,29 @@ impl Stepper {
                 None => command,
             };
             let before = self.surfaces;
+            let (begun, earth) = (self.attitude, self.earth);
             let rates = |t: f64, x: &[f64; VECTOR]| {
-                let (state, positions) = split(x);
+                let (moved, positions) = split(x);
+                let state = turned(begun.as_ref(), moved);
                 let air = air(t);
                 (disturbance.gust, disturbance.gust_rates) = (air.velocity, air.rates);
                 disturbance.wind = wind.at(state.altitude);
+                disturbance.earth = earth.map(|earth| earth.under(&state));
                 let (surfaces, surface_rates) = match actuators {
                     Some(a) => (a.controls(&told, a.surfaces(positions, before)), a.rates(&told, positions)),
                     None => (command, [0.0; ACTUATOR_STATES]),
                 };
-                join(&motion(aircraft, &state, &surfaces, &disturbance).rates, surface_rates)
+                join(
+                    &rates_since(begun.is_some(), &moved, motion(aircraft, &state, &surfaces, &disturbance)),
+                    surface_rates,
+                )
             };
             self.x = rk4_step(rates, t, &self.x, step);
+            if let Some(attitude) = &mut self.attitude {
+                let (moved, _) = split(&self.x);
+                *attitude = Quaternion::of_matrix(&product(&angles(&moved).matrix(), &attitude.matrix()));
+                self.x[ATTITUDE].fill(0.0);
+            }
             if let Some(a) = actuators {
                 self.surfaces = a.surfaces(split(&self.x).1, before);
             }
@@ -244,12 +300,34 @@ impl Stepper {
         if let Some((_, state)) = self.x.iter().zip(NAMES).find(|(v, _)| !v.is_finite()) {
             return Err(SimulationError::NotFinite { state, time, last_speed });
         }
-        let (altitude, ceiling) = (self.state().altitude, aircraft.atmosphere().ceiling());
+        let (altitude, ceiling) = (self.air_altitude(&self.state()), aircraft.atmosphere().ceiling());
         if altitude > ceiling {
             return Err(SimulationError::AboveTheAir { time, altitude, ceiling });
         }
         Ok(())
     }
+}
+
+fn angles(state: &State) -> EulerAngles {
+    EulerAngles { yaw: state.psi, pitch: state.theta, roll: state.phi }
+}
+
+/// A state whose attitude is that since the attitude `begun`, with its attitude against north, east and down. Without one it is
+/// that already.
+fn turned(begun: Option<&Quaternion>, state: State) -> State {
+    let Some(begun) = begun else { return state };
+    let EulerAngles { yaw, pitch, roll } = EulerAngles::of_matrix(&product(&angles(&state).matrix(), &begun.matrix()));
+    State { phi: roll, theta: pitch, psi: yaw, ..state }
+}
+
+/// The rates of a state; where its attitude is that since the step began, the rates of those angles, which stay small.
+fn rates_since(begun: bool, moved: &State, motion: Motion) -> State {
+    if !begun {
+        return motion.rates;
+    }
+    let angles = Angles::of(0.0, 0.0, moved.phi, moved.theta);
+    let [phi, theta, psi] = attitude_equations(&angles, motion.turning);
+    State { phi, theta, psi, ..motion.rates }
 }
 
 fn join(state: &State, surfaces: [f64; ACTUATOR_STATES]) -> [f64; VECTOR] {

@@ -10,6 +10,7 @@ mod check_case;
 mod daveml;
 mod dryden;
 mod dual;
+mod earth;
 mod equations;
 mod globe;
 mod increments;

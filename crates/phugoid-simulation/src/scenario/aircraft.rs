@@ -201,7 +201,7 @@ pub enum Thrust {
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Condition {
-    /// Altitude above mean sea level, in the standard atmosphere.
+    /// Altitude above mean sea level, in the standard atmosphere: geopotential over a plane, geometric over an `[earth]`.
     pub altitude: Length,
     /// True airspeed at the start of the flight.
     pub speed: Speed,
@@ -211,6 +211,9 @@ pub struct Condition {
     /// Rate of turn about the vertical, positive to the right.
     #[serde(default)]
     pub turn_rate: AngularRate,
+    /// Heading of the nose at the start, clockwise from north.
+    #[serde(default)]
+    pub heading: Angle,
 }
 
 /// How the aircraft that flies differs from what is known of it, beside the increments to be found. The default is no error.

@@ -10,6 +10,7 @@ mod against_record;
 mod air;
 mod damage;
 mod declared_by_default;
+mod earth;
 mod engines;
 mod flap;
 mod golden_flight;
