@@ -1,9 +1,9 @@
 //! Flies the check cases and prints the table of `docs/check-cases.md`, how the flights compare with those of NASA's
 //! simulators:
 //!
-//! `cargo run --release -p phugoid-aircraft --example check_cases -- FOLDER [--all] [--save FOLDER] [CASE...]`
+//! `cargo run --release -p phugoid-aircraft --example check_cases -- FOLDER [--runge-kutta] [--adams-bashforth] [--all] [--save FOLDER] [CASE...]`
 //!
-//! with the folder of `cases.json` and `trajectories`. `--all` gives every column in place of the worst of each quantity,
+//! with the folder of `cases.json` and `trajectories`. `--runge-kutta` and `--adams-bashforth` integrate every case in this way, `--all` gives every column in place of the worst of each quantity,
 //! `--save` writes the flights as comma-separated text. The program fails if a flight cannot be flown.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // a program to be read
 
@@ -14,6 +14,7 @@ use std::path::{Path, PathBuf};
 
 use phugoid_aircraft::check_case::CheckCases;
 use phugoid_aircraft::check_case::compare::{Comparison, MARGIN, compare};
+use phugoid_flight_dynamics::globe::flight::Integration;
 
 /// Quantities of the table, and how the headings of their columns begin.
 const QUANTITIES: [(&str, &str); 20] = [
@@ -56,9 +57,12 @@ fn main() {
     let mut arguments = std::env::args().skip(1);
     let folder = PathBuf::from(arguments.next().expect("the folder of `cases.json`"));
     let (mut all, mut save, mut wanted) = (false, None, Vec::new());
+    let mut integration = None;
     while let Some(argument) = arguments.next() {
         match argument.as_str() {
             "--all" => all = true,
+            "--runge-kutta" => integration = Some(Integration::RungeKutta4),
+            "--adams-bashforth" => integration = Some(Integration::AdamsBashforth2),
             "--save" => save = Some(PathBuf::from(arguments.next().expect("a folder after --save"))),
             _ => wanted.push(argument),
         }
@@ -68,7 +72,7 @@ fn main() {
     println!("|---|---|---|---|---|---|---|");
     for id in cases.ids().into_iter().filter(|id| wanted.is_empty() || wanted.contains(id)) {
         let case = cases.case(&id).expect("a definition");
-        let flight = case.fly().expect("a flight");
+        let flight = case.fly_by(integration.unwrap_or(case.integration())).expect("a flight");
         if let Some(save) = &save {
             let file: &Path = &save.join(format!("Atmos_{id}_sim_phugoid.csv"));
             std::fs::write(file, flight.to_csv()).expect("a writable folder");

@@ -23,7 +23,7 @@ pub mod trajectory;
 use std::path::PathBuf;
 
 use phugoid_flight_dynamics::globe::condition::Launch;
-use phugoid_flight_dynamics::globe::flight::{FlightError, fly, motion};
+use phugoid_flight_dynamics::globe::flight::{FlightError, Integration, fly_by, motion};
 use phugoid_flight_dynamics::globe::loads::{BluntBody, Loads};
 use phugoid_flight_dynamics::globe::steady::NoTrim;
 
@@ -96,7 +96,17 @@ pub enum CheckCaseError {
 }
 
 impl CheckCase {
-    /// Flies the case and gives its trajectory at the instants of the simulators' outputs.
+    /// How the case is integrated: by Runge-Kutta, where the smallest error counts, and after a step command to the autopilot by
+    /// Adams and Bashforth, as the simulators were. How much of such a step counts in the hundredth of a second in which it comes
+    /// is in no definition: it is the simulators' integration that decides it.
+    pub fn integration(&self) -> Integration {
+        match self.vehicle {
+            CheckVehicle::F16 { manoeuvre: Manoeuvre::Command { .. }, .. } => Integration::AdamsBashforth2,
+            _ => Integration::RungeKutta4,
+        }
+    }
+
+    /// Flies the case by [its integration](Self::integration) and gives its trajectory at the instants of the simulators' outputs.
     ///
     /// Steps of 0.01 s. The F-16 is trimmed first, wings level and at constant velocity over the ground.
     ///
@@ -104,8 +114,16 @@ impl CheckCase {
     ///
     /// [`CheckCaseError`] if a model is missing, or no trim is found, or the motion is no longer finite.
     pub fn fly(&self) -> Result<Trajectory, CheckCaseError> {
+        self.fly_by(self.integration())
+    }
+
+    /// As [`fly`](Self::fly), by another integration.
+    ///
+    /// # Errors
+    /// As [`fly`](Self::fly).
+    pub fn fly_by(&self, integration: Integration) -> Result<Trajectory, CheckCaseError> {
         match &self.vehicle {
-            CheckVehicle::Blunt(body) => self.flown(&mut BluntBody::clone(body), self.launch),
+            CheckVehicle::Blunt(body) => self.flown(integration, &mut BluntBody::clone(body), self.launch),
             CheckVehicle::F16 { folder, manoeuvre } => {
                 let mut aircraft = f16::F16::read(folder, manoeuvre)?;
                 let launch = aircraft
@@ -115,20 +133,25 @@ impl CheckCase {
                 let start = launch.state(&self.world.planet, 0.0, []);
                 let trimmed = motion(&self.world, &mut aircraft, 0.0, &start);
                 aircraft.engage();
-                let mut flight = self.flown(&mut aircraft, launch)?;
+                let mut flight = self.flown(integration, &mut aircraft, launch)?;
                 flight.replace_first(&trimmed);
                 Ok(flight)
             }
         }
     }
 
-    fn flown(&self, vehicle: &mut dyn Loads, launch: Launch) -> Result<Trajectory, CheckCaseError> {
+    fn flown(
+        &self,
+        integration: Integration,
+        vehicle: &mut dyn Loads,
+        launch: Launch,
+    ) -> Result<Trajectory, CheckCaseError> {
         let mut trajectory = Trajectory::default();
         let every = (self.output_interval / STEP).round().max(1.0) as usize;
         let step = self.output_interval / every as f64;
         let mut count = 0;
         let start = launch.state(&self.world.planet, 0.0, []);
-        fly(&self.world, vehicle, start, 0.0, self.duration, step, |motion| {
+        fly_by(integration, &self.world, vehicle, start, [0.0, self.duration, step], |motion| {
             if count % every == 0 {
                 trajectory.push(motion);
             }

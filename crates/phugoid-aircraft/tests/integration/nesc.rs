@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use phugoid_aircraft::check_case::compare::{Comparison, compare};
 use phugoid_aircraft::check_case::trajectory::COLUMNS;
 use phugoid_aircraft::check_case::{CheckCaseError, CheckCases, Trajectory};
+use phugoid_flight_dynamics::globe::flight::Integration;
 
 use crate::shared_data::shared_file;
 use crate::simulators::simulators;
@@ -30,17 +31,8 @@ fn last(flight: &Trajectory, heading: &str) -> f64 {
 }
 
 /// Quantities in which the flight is farther from a simulator than the simulators are from one another, and by which
-/// factor at most. In cases 13.1 and 13.3 these are the instants after the step command: simulators 02 and 05 act on it
-/// half a hundredth of a second before it is given. In case 11 simulator 04 flies 0.01 ft/s faster from the start.
-const BEYOND: [(&str, &str, f64); 7] = [
-    ("11", "dynamicPressure_lbf_ft2", 1.06),
-    ("13p1", "eiVelocity_ft_s_Y", 1.23),
-    ("13p1", "feVelocity_ft_s_Z", 1.11),
-    ("13p1", "altitudeRateWrtMsl_ft_min", 1.11),
-    ("13p3", "eiVelocity_ft_s_Y", 1.13),
-    ("13p3", "airDensity_slug_ft3", 1.11),
-    ("13p3", "trueAirspeed_nmi_h", 1.05),
-];
+/// factor at most. In case 11 simulator 04 flies 0.01 ft/s faster from the start.
+const BEYOND: [(&str, &str, f64); 2] = [("11", "dynamicPressure_lbf_ft2", 1.06), ("13p3", "airDensity_slug_ft3", 1.08)];
 
 fn agrees(id: &str) -> Option<Vec<Comparison>> {
     let (cases, folder) = definitions()?;
@@ -82,10 +74,23 @@ fn the_f16_flies_straight_as_in_the_simulators() {
 
 #[test]
 fn the_f16_follows_its_autopilot_as_in_the_simulators() {
-    for (id, altitude) in [("13p1", 0.15), ("13p3", 0.03), ("15", 2e-3)] {
+    for (id, altitude) in [("13p1", 2e-3), ("13p3", 0.04), ("15", 2e-3)] {
         let Some(comparisons) = agrees(id) else { return };
         assert!(closest(&comparisons, "altitudeMsl_ft") < altitude, "{id}");
     }
+}
+
+/// Why a step command is integrated as the simulators did it: the flight by Runge-Kutta is 5 ms behind that of simulator 05, half
+/// a step, which is what Adams and Bashforth give to a step; by their formula both fly the same to a hundredth of that.
+#[test]
+fn half_a_step_is_what_the_integration_makes_of_a_step_command() {
+    let Some((cases, folder)) = definitions() else { return };
+    let case = cases.case("13p1").unwrap();
+    let [runge_kutta, adams_bashforth] = [Integration::RungeKutta4, Integration::AdamsBashforth2].map(|integration| {
+        let flight = case.fly_by(integration).unwrap();
+        closest(&compare(&flight, &simulators(&folder, "13p1")), "altitudeMsl_ft")
+    });
+    assert!(adams_bashforth < 0.05 * runge_kutta, "{adams_bashforth} {runge_kutta}");
 }
 
 #[test]

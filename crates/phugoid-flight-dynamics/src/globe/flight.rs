@@ -118,6 +118,18 @@ impl fmt::Display for FlightError {
 
 impl core::error::Error for FlightError {}
 
+/// How the motion is integrated.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Integration {
+    /// Classical Runge-Kutta of order four: the loads are asked four times in a step.
+    #[default]
+    RungeKutta4,
+    /// Adams-Bashforth of order two, `x + h (3/2 f - 1/2 f before)`, as the simulators that fly in real time have it, JSBSim among
+    /// them: the loads are asked once in a step. The first step is one of Runge-Kutta. What switches on at a step counts one
+    /// and a half times in it, and so acts half a step early.
+    AdamsBashforth2,
+}
+
 /// Flies a vehicle for a duration (s) from a state at a time (s) and gives the state at the end.
 ///
 /// Classical Runge-Kutta steps of order four and equal length (s); the last one is shorter where the duration is no
@@ -161,6 +173,21 @@ pub fn fly<const X: usize, L: Loads<X> + ?Sized>(
     time: f64,
     duration: f64,
     step: f64,
+    observe: impl FnMut(&GlobeMotion<X>),
+) -> Result<GlobeState<X>, FlightError> {
+    fly_by(Integration::RungeKutta4, world, vehicle, start, [time, duration, step], observe)
+}
+
+/// As [`fly`], by another integration; time, duration and step stand together, s.
+///
+/// # Errors
+/// As [`fly`].
+pub fn fly_by<const X: usize, L: Loads<X> + ?Sized>(
+    integration: Integration,
+    world: &World,
+    vehicle: &mut L,
+    start: GlobeState<X>,
+    [time, duration, step]: [f64; 3],
     mut observe: impl FnMut(&GlobeMotion<X>),
 ) -> Result<GlobeState<X>, FlightError> {
     let sound = time.is_finite() && duration.is_finite() && duration >= 0.0 && step.is_finite() && step > 0.0;
@@ -175,6 +202,7 @@ pub fn fly<const X: usize, L: Loads<X> + ?Sized>(
     }
     let instant = |i: u64| if i == steps { time + duration } else { time + i as f64 * step };
     let mut state = start;
+    let mut before: Option<Rates<X>> = None;
     for i in 0..=steps {
         let now = instant(i);
         vehicle.update(&Condition::of(world, now, &state));
@@ -185,6 +213,16 @@ pub fn fly<const X: usize, L: Loads<X> + ?Sized>(
         }
         let h = instant(i + 1) - now;
         let k1 = Rates::of(&first);
+        if integration == Integration::AdamsBashforth2
+            && let Some(before) = before.replace(k1.clone())
+        {
+            state = k1.extrapolated(&before).after(&state, h);
+            state.attitude = state.attitude.normalised();
+            if !is_finite(&state) {
+                return Err(FlightError::NotFinite { time: now + h });
+            }
+            continue;
+        }
         let k2 = Rates::of(&motion(world, vehicle, now + 0.5 * h, &k1.after(&state, 0.5 * h)));
         let k3 = Rates::of(&motion(world, vehicle, now + 0.5 * h, &k2.after(&state, 0.5 * h)));
         let k4 = Rates::of(&motion(world, vehicle, now + h, &k3.after(&state, h)));
@@ -205,6 +243,7 @@ fn is_finite<const X: usize>(state: &GlobeState<X>) -> bool {
 }
 
 /// Time derivative of a state.
+#[derive(Clone)]
 struct Rates<const X: usize> {
     velocity: Vector,
     acceleration: Vector,
@@ -236,6 +275,17 @@ impl<const X: usize> Rates<X> {
         }
     }
 
+    /// The rates in the middle of the next step, from those at its beginning and one step before.
+    fn extrapolated(&self, before: &Self) -> Self {
+        Self {
+            velocity: ahead(self.velocity, before.velocity),
+            acceleration: ahead(self.acceleration, before.acceleration),
+            attitude: ahead(self.attitude, before.attitude),
+            angular_acceleration: ahead(self.angular_acceleration, before.angular_acceleration),
+            internal: ahead(self.internal, before.internal),
+        }
+    }
+
     /// Weights of the classical Runge-Kutta step, as in [`crate::integrate::rk4_step`].
     fn mean(&self, k2: &Self, k3: &Self, k4: &Self) -> Self {
         Self {
@@ -255,6 +305,10 @@ impl<const X: usize> Rates<X> {
 
 fn moved<const N: usize>(x: [f64; N], rate: [f64; N], h: f64) -> [f64; N] {
     core::array::from_fn(|i| x[i] + h * rate[i])
+}
+
+fn ahead<const N: usize>(now: [f64; N], before: [f64; N]) -> [f64; N] {
+    core::array::from_fn(|i| 1.5 * now[i] - 0.5 * before[i])
 }
 
 fn weighted<const N: usize>(a: [f64; N], b: [f64; N], c: [f64; N], d: [f64; N]) -> [f64; N] {
