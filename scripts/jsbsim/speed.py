@@ -147,6 +147,7 @@ def main():
         print(f"{'':42}{'here':>14}{'JSBSim':>14}{'ratio':>9}")
         for what, here, there in [
             ("evaluations per second", 1.0 / us["evaluation_s"], 1.0 / step_s),
+            ("steps per second (Adams-Bashforth, both)", 1.0 / us["adams_bashforth_step_s"], 1.0 / step_s),
             ("steps per second (RK4; one evaluation)", 1.0 / us["rk4_step_s"], 1.0 / step_s),
             ("flight per second of processor, s", step_us / us["rk4_step_s"], 1.0 / RATE_HZ / step_s),
             ("loads per second", 1.0 / us["load_s"], 1.0 / them["load_s"]),
