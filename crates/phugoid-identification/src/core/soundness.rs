@@ -52,7 +52,7 @@ pub enum ReasonCode {
     FitWorseThanMean,
     /// The attitude of the fitted motion runs away from the measured one, or turns over where the aircraft did not.
     AttitudeUpsideDown,
-    /// The residuals of a fit are several times the noise that the model file states.
+    /// The residuals of a fit are several times the noise that the model file states, or that the record shows of a vane.
     ResidualsAboveNoise,
     /// The prediction of another record diverges.
     UnstablePrediction,
@@ -131,7 +131,7 @@ impl ReasonCode {
             Self::Contradiction => "the model contradicts this flight",
             Self::FitWorseThanMean => "the fit is worse than a constant",
             Self::AttitudeUpsideDown => "the attitude of the fitted motion runs away",
-            Self::ResidualsAboveNoise => "the residuals are several times the stated noise",
+            Self::ResidualsAboveNoise => "the residuals are several times the noise",
             Self::UnstablePrediction => "the prediction diverges",
             Self::ChannelRejected => "most samples of a channel were rejected",
             Self::Diverged => "the estimator diverged",

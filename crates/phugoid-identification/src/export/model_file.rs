@@ -1,13 +1,13 @@
 //! The model file itself with identified values in the place of its start values.
 
-use toml_edit::{DocumentMut, InlineTable, Item, Table, TableLike, Value, value};
+use toml_edit::{Array, DocumentMut, InlineTable, Item, Table, TableLike, Value, value};
 
 use super::identified::{ExportError, Exported, Identified};
-use crate::model_file::{ModelFile, ReferenceValue};
+use crate::model_file::{ModelFile, Parameter, ReferenceValue, Role};
 
 /// Writes the text of a model file again, with the identified values as `start` of its estimated parameters. Everything else
 /// stays as it was written, comments too; each line that changes says how well the value is known. A reference point that came
-/// from the record becomes a number.
+/// from the record becomes a number. Terms that the estimate has taken in beside those of the text are written into it.
 ///
 /// The file that comes out is a model file as any other: it flies (`phugoid trim --aircraft`), and an estimation starts from it.
 /// What was known beforehand (`prior_std`, `bounds`) is left as it was: it does not become more certain by data that are then
@@ -31,11 +31,22 @@ use crate::model_file::{ModelFile, ReferenceValue};
 ///
 /// # Errors
 /// [`ExportError::NoPlace`]: the text is not the one that the model was read from, or a value is beyond what the file calls
-/// possible.
+/// possible, or a term that the text does not have finds no place in it.
 pub fn model_file(identified: &Identified<'_>, text: &str) -> Result<Exported, ExportError> {
     let no_place = |message: String| ExportError::NoPlace(message);
     let mut document: DocumentMut = text.parse().map_err(|e: toml_edit::TomlError| no_place(e.to_string()))?;
+    let before = ModelFile::parse("the model file", text).map_err(|e| no_place(e.to_string()))?;
     let mut notes = Vec::new();
+    for parameter in identified.model.estimated() {
+        if before.parameters.iter().any(|known| known.name == parameter.name) {
+            continue;
+        }
+        // A term that the estimate has taken in: the search for terms, or whoever made the model of the text.
+        let term = add_term(&mut document, identified.model, parameter).ok_or_else(|| {
+            no_place(format!("`{}` is none of its parameters, and there is no place for its term", parameter.name))
+        })?;
+        notes.push(format!("the model file did not have {term}; it does now"));
+    }
     for parameter in identified.model.estimated() {
         let Some(estimate) = identified.values.get(&parameter.name).filter(|value| value.is_finite()) else { continue };
         if parameter.name.starts_with("bias_") {
@@ -67,6 +78,36 @@ pub fn model_file(identified: &Identified<'_>, text: &str) -> Result<Exported, E
     // What is written has to be read again by whoever gets it.
     ModelFile::parse("the written model file", &text).map_err(|e| no_place(e.to_string()))?;
     Ok(Exported { text, notes })
+}
+
+/// Writes the term of a parameter behind those of its coefficient, and what it needs: its input, the speed that terms in the airspeed
+/// count from, and what was known of the parameter beforehand. The term in words; none where there is no place for it.
+fn add_term(document: &mut DocumentMut, model: &ModelFile, parameter: &Parameter) -> Option<String> {
+    let Role::Term(coefficient, term) = &parameter.role else { return None };
+    let mut insert = |key: &str, name: &str, what: Value| -> Option<()> {
+        let table = document.entry(key).or_insert_with(|| Item::Table(Table::new())).as_table_like_mut()?;
+        if table.get(name).is_none() {
+            table.insert(name, Item::Value(what));
+        }
+        Some(())
+    };
+    if let Some(speed) = model.aircraft.reference_speed {
+        insert("aircraft", "reference_speed", Value::from(speed))?;
+    }
+    if parameter.prior_std.is_finite() {
+        let mut line = InlineTable::new();
+        line.insert("start", Value::from(parameter.start));
+        line.insert("prior_std", Value::from(parameter.prior_std));
+        insert("parameters", &parameter.name, Value::InlineTable(line))?;
+    }
+    let written = term.text(&model.extra_inputs);
+    insert("coefficients", coefficient.symbol(), Value::Array(Array::new()))?;
+    document.get_mut("coefficients")?.get_mut(coefficient.symbol())?.as_array_mut()?.push(written.clone());
+    if !model.extra_inputs.is_empty() {
+        let inputs: Array = model.extra_inputs.iter().map(String::as_str).collect();
+        document.insert("inputs", value(inputs));
+    }
+    Some(format!("{written} in {}", coefficient.symbol()))
 }
 
 /// Sets `start` of one parameter, whether it has a table or not.

@@ -18,8 +18,15 @@ const ABOVE_NOISE: f64 = 3.0;
 /// Below this coefficient of determination a prediction diverges: its error is ten times the motion.
 const DIVERGES: f64 = -100.0;
 
-/// What speaks against the fit of a batch method, and against its prediction of another record.
-pub(crate) fn reasons(method: Method, file: &ModelFile, history: &History, report: &BatchReport) -> Vec<VerdictReason> {
+/// What speaks against the fit of a batch method, and against its prediction of another record. `vanes` is the noise that the
+/// record itself shows of each output that is a flow angle (one sigma, rad); none for the others.
+pub(crate) fn reasons(
+    method: Method,
+    file: &ModelFile,
+    history: &History,
+    report: &BatchReport,
+    vanes: &[Option<f64>],
+) -> Vec<VerdictReason> {
     let mut found = Vec::new();
     let run_away = run_away(&history.measured, &history.predicted);
     if let Some((name, angle)) = run_away {
@@ -37,7 +44,7 @@ pub(crate) fn reasons(method: Method, file: &ModelFile, history: &History, repor
     }
     found.extend(worse_than_mean(report, &history.measured, &history.predicted));
     if matches!(method, Method::OutputError | Method::OutputErrorFrequency) {
-        found.extend(above_noise(file, report));
+        found.extend(above_noise(file, report, vanes));
     }
     found.extend(report.prediction.as_ref().and_then(unstable));
     found
@@ -96,10 +103,11 @@ fn worse_than_mean(report: &BatchReport, measured: &[Signal], fitted: &[Signal])
     })
 }
 
-/// Outputs whose residuals are several times the noise that the model file states.
-fn above_noise(file: &ModelFile, report: &BatchReport) -> Option<VerdictReason> {
+/// Outputs whose residuals are several times the noise that the model file states, or, of a vane without any, that the record shows.
+fn above_noise(file: &ModelFile, report: &BatchReport, vanes: &[Option<f64>]) -> Option<VerdictReason> {
     let ratio = |(row, output): (usize, &Output)| {
-        let ratio = report.noise_std.get(row)? / file.noise[output.index()]?;
+        let noise = file.noise[output.index()].or(vanes.get(row).copied().flatten())?;
+        let ratio = report.noise_std.get(row)? / noise;
         (ratio >= ABOVE_NOISE).then(|| (output.name(), ratio))
     };
     let found: Vec<(&str, f64)> = file.axes.outputs().iter().enumerate().filter_map(ratio).collect();
@@ -108,8 +116,8 @@ fn above_noise(file: &ModelFile, report: &BatchReport) -> Option<VerdictReason> 
         status: EstimationStatus::Doubtful,
         concerns: found.iter().map(|(name, _)| (*name).to_owned()).collect(),
         sentence: format!(
-            "The residuals are above the noise that [noise] states: {}. The rest is turbulence or model error, which output \
-             error does not allow for: take filter-error, add the missing terms, or correct [noise].",
+            "The residuals are above the noise that [noise] states or the record shows: {}. The rest is turbulence or model \
+             error, which output error does not allow for: take filter-error, add the missing terms, or correct [noise].",
             found.iter().map(|(name, ratio)| format!("{name} {ratio:.1} times")).collect::<Vec<_>>().join(", ")
         ),
     })
@@ -172,7 +180,7 @@ mod tests {
         let (measured, fitted) = (signal(name, wave(0.1)), signal(name, fitted));
         let fits = OutputFit::of(name, &measured.values, &fitted.values).into_iter().collect();
         let history = History { measured: vec![measured], predicted: vec![fitted], ..History::default() };
-        reasons(method, &ModelFile::named("hfb320").unwrap(), &history, &report(fits))
+        reasons(method, &ModelFile::named("hfb320").unwrap(), &history, &report(fits), &[])
     }
 
     #[test]
@@ -199,19 +207,28 @@ mod tests {
     }
 
     #[test]
-    fn residuals_are_held_against_stated_noise_alone() {
+    fn residuals_are_held_against_stated_noise_and_those_of_a_vane_against_its_own() {
         let mut file = ModelFile::named("hfb320").unwrap();
         file.noise = [None; crate::core::output::CHANNELS];
         let empty = History::default();
-        assert_eq!(reasons(Method::OutputError, &file, &empty, &report(Vec::new())), []);
+        assert_eq!(reasons(Method::OutputError, &file, &empty, &report(Vec::new()), &[]), []);
         file.noise[Output::PitchRate.index()] = Some(0.4e-3);
-        assert_eq!(reasons(Method::OutputError, &file, &empty, &report(Vec::new())), []);
+        assert_eq!(reasons(Method::OutputError, &file, &empty, &report(Vec::new()), &[]), []);
         file.noise[Output::Alpha.index()] = Some(0.25e-3);
-        let found = reasons(Method::OutputError, &file, &empty, &report(Vec::new()));
+        let found = reasons(Method::OutputError, &file, &empty, &report(Vec::new()), &[]);
         assert_eq!((found[0].code, found[0].status), (ReasonCode::ResidualsAboveNoise, EstimationStatus::Doubtful));
         assert!(found[0].sentence.contains("alpha 4.0 times"), "{}", found[0].sentence);
+        // What a vane shows by itself serves where nothing is stated, and what is stated goes before it.
+        file.noise[Output::Alpha.index()] = None;
+        let vanes = |noise: f64| [None, Some(noise), None, None, None, None];
+        let of_vane = |file: &ModelFile, noise| reasons(Method::OutputError, file, &empty, &report(Vec::new()), &vanes(noise));
+        assert_eq!(of_vane(&file, 0.4e-3), []);
+        assert!(of_vane(&file, 0.2e-3)[0].sentence.contains("alpha 5.0 times"));
+        file.noise[Output::Alpha.index()] = Some(0.4e-3);
+        assert_eq!(of_vane(&file, 0.2e-3), []);
+        file.noise[Output::Alpha.index()] = Some(0.25e-3);
         // Filter error has the process noise for that.
-        assert_eq!(reasons(Method::FilterError, &file, &empty, &report(Vec::new())), []);
+        assert_eq!(reasons(Method::FilterError, &file, &empty, &report(Vec::new()), &[]), []);
     }
 
     #[test]

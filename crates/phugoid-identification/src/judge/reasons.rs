@@ -10,6 +10,7 @@ use crate::core::estimation::{
     EstimationStatus, EventKind, FinalStatus, History, ParameterResult, ReasonCode, Signal, VerdictReason,
 };
 use crate::core::method::Method;
+use crate::core::output::Output;
 use crate::judge::contradiction::{self, Unsettled};
 use crate::judge::equations::Equations;
 use crate::judge::{
@@ -51,7 +52,14 @@ pub(crate) fn reasons<M: Motion<N, R>, const N: usize, const R: usize>(
             }
             _ => reason,
         }));
-        found.extend(run.batch.iter().flat_map(|report| fit::reasons(task.method(), task.file, history, report)));
+        let vanes: Vec<Option<f64>> = M::AXES
+            .outputs()
+            .iter()
+            .zip(task.noise)
+            .map(|(output, noise)| matches!(output, Output::Alpha | Output::Beta).then_some(noise.std))
+            .collect();
+        let of_fit = |report| fit::reasons(task.method(), task.file, history, report, &vanes);
+        found.extend(run.batch.iter().flat_map(of_fit));
         // SMPE and the EKF look for changes themselves.
         let is_constant = task.method().is_batch() || task.method().is_recursive_regression();
         found.extend(equations.filter(|_| is_constant).and_then(constancy::reason));
