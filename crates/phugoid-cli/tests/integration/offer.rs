@@ -53,6 +53,18 @@ fn a_missing_term_is_offered_and_the_printed_lines_mend_the_model() {
     let second = by("mended.toml", &["--no-report"]);
     assert!(!second.out.contains("ask for") && !second.out.contains("adopted"), "{}{}", second.out, second.err);
     assert!(second.out.contains("dCm_alpha2"), "{}", second.out);
+
+    // The same without copying: what was taken in stands in the model file that is written.
+    let written = by("f16-damage-model", &["--structure", "auto", "--write-model", "found.toml", "--no-report"]);
+    assert!(
+        written.out.contains("the model file did not have alpha^2 in Cm; it does now"),
+        "{}{}",
+        written.out,
+        written.err
+    );
+    let found = folder.read("found.toml");
+    assert!(found.contains("\"alpha^2\"]") && found.contains("dCm_alpha2 = { start = "), "{found}");
+    assert!(by("found.toml", &["--no-report"]).out.contains("dCm_alpha2"));
 }
 
 #[test]

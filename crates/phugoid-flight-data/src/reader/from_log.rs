@@ -30,8 +30,7 @@ pub fn selection(profile: &Profile, options: &ReadOptions) -> Selection {
     }
     let base = profile.time_base.iter().chain(&options.time_base);
     topics.extend(base.map(|topic| Wanted { topic: topic.clone(), instance: None, fields: Some(Vec::new()) }));
-    let commands = profile.surfaces.map(surfaces::topics).unwrap_or_default();
-    topics.extend(commands.iter().map(|topic| Wanted { topic: (*topic).to_owned(), instance: None, fields: None }));
+    topics.extend(profile.surfaces.map(surfaces::wanted).unwrap_or_default());
     let headers = options.table.columns.iter().flat_map(ColumnMapping::terms);
     let mapped = headers.filter_map(|(header, _)| header.parse::<FieldName>().ok());
     topics.extend(mapped.map(|FieldName { topic, instance, .. }| Wanted { topic, instance, fields: None }));

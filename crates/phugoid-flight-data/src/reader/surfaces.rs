@@ -3,15 +3,37 @@
 
 use super::signals::{self, Signal, label, rising, topic};
 use crate::align::Hold;
-use crate::log::Log;
+use crate::log::{Log, Topic, Wanted};
 use crate::profile::{Mixture, SurfaceRule};
 use crate::quality::QualityReport;
 
 /// Largest age at which the last command is used, s.
 pub(super) const STALE_AFTER_S: f64 = 0.5;
 
+/// Controllers of PX4 before 1.13, and what the vehicle says of itself.
+const CONTROLS: &str = "actuator_controls_0";
+const STATUS: &str = "vehicle_status";
+/// The fields of the latter.
+const KIND: &str = "vehicle_type";
+const IS_VTOL: &str = "is_vtol";
+/// `VEHICLE_TYPE_FIXED_WING` of PX4's message vehicle_status.
+const FIXED_WING: f64 = 2.0;
+
+/// The parts of a log that tell the commands of surfaces.
+pub(super) fn wanted(rule: SurfaceRule) -> Vec<Wanted> {
+    let whole = |topic: &&str| Wanted { topic: (*topic).to_owned(), instance: None, fields: None };
+    let mut wanted: Vec<Wanted> = topics(rule).iter().map(whole).collect();
+    if rule == SurfaceRule::Px4 {
+        let fields =
+            |topic: &str, fields: Vec<String>| Wanted { topic: topic.to_owned(), instance: None, fields: Some(fields) };
+        wanted.push(fields(CONTROLS, (0..3).map(|k| format!("control[{k}]")).collect()));
+        wanted.push(fields(STATUS, [KIND, IS_VTOL].map(str::to_owned).into()));
+    }
+    wanted
+}
+
 /// The topics that hold the commands of servos.
-pub(super) fn topics(rule: SurfaceRule) -> &'static [&'static str] {
+fn topics(rule: SurfaceRule) -> &'static [&'static str] {
     match rule {
         SurfaceRule::Px4 => &["actuator_servos"],
         SurfaceRule::Ardupilot => &["RCOU"],
@@ -60,12 +82,17 @@ pub(super) fn commands(log: &Log, rule: SurfaceRule, mixed: &[Mixture]) -> Vec<S
         SurfaceRule::Telemetry => ardupilot(log, |number| format!("servo{number}_raw")),
     };
     let mut signals: Vec<Signal> = Vec::new();
+    let of_servos = topics(rule).iter().find_map(|name| topic(log, name, None));
+    let (servos, source) = match of_servos {
+        None if rule == SurfaceRule::Px4 && is_fixed_wing(log) => (controllers(), topic(log, CONTROLS, None)),
+        found => (servos, found),
+    };
     for servo in servos {
         let channel = format!("{}_command", servo.surface);
         if signals.iter().any(|signal| signal.channel == channel) {
             continue;
         }
-        let Some(topic) = topics(rule).iter().find_map(|name| topic(log, name, None)) else { continue };
+        let Some(topic) = source else { continue };
         let Some(field) = topic.field(&servo.field) else { continue };
         let kept = rising(&topic.time_s);
         let value = |&sample: &usize| {
@@ -219,6 +246,29 @@ fn px4(log: &Log) -> Vec<Servo> {
         Some(Servo { surface, field: format!("control[{index}]"), reason, pulse: None })
     };
     (0..8).filter_map(servo).collect()
+}
+
+/// Whether the log is of an aeroplane all the time, and of none that also hovers: the controllers of a multirotor turn it by its
+/// rotors.
+fn is_fixed_wing(log: &Log) -> bool {
+    let Some(status) = topic(log, STATUS, None) else { return false };
+    let always = |topic: &Topic, name: &str, value: f64| {
+        topic.field(name).is_some_and(|field| !field.values.is_empty() && field.values.iter().all(|v| *v == value))
+    };
+    always(status, KIND, FIXED_WING) && always(status, IS_VTOL, 0.0)
+}
+
+/// The controllers of an aeroplane before PX4 1.13: what they ask for goes to the servos through a mixer that the log does not have.
+fn controllers() -> Vec<Servo> {
+    let reason =
+        "what the controller of a fixed-wing aircraft asks for; the mixer that makes servos of it is not in the log";
+    let control = |(surface, index): (&'static str, usize)| Servo {
+        surface,
+        field: format!("control[{index}]"),
+        reason: reason.to_owned(),
+        pulse: None,
+    };
+    [("aileron", 0), ("elevator", 1), ("rudder", 2)].map(control).into()
 }
 
 /// Servos of ArduPilot (parameters `SERVOn_FUNCTION` and so on; ArduPlane, "Servo Functions").

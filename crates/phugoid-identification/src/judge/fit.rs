@@ -221,7 +221,8 @@ mod tests {
         // What a vane shows by itself serves where nothing is stated, and what is stated goes before it.
         file.noise[Output::Alpha.index()] = None;
         let vanes = |noise: f64| [None, Some(noise), None, None, None, None];
-        let of_vane = |file: &ModelFile, noise| reasons(Method::OutputError, file, &empty, &report(Vec::new()), &vanes(noise));
+        let of_vane =
+            |file: &ModelFile, noise| reasons(Method::OutputError, file, &empty, &report(Vec::new()), &vanes(noise));
         assert_eq!(of_vane(&file, 0.4e-3), []);
         assert!(of_vane(&file, 0.2e-3)[0].sentence.contains("alpha 5.0 times"));
         file.noise[Output::Alpha.index()] = Some(0.4e-3);

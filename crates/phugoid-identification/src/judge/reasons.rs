@@ -79,6 +79,7 @@ pub(crate) fn reasons<M: Motion<N, R>, const N: usize, const R: usize>(
         found.extend(input_noise::wild(&task.prepared.wild_values));
         found.extend(smoothed::reason(task));
         found.extend(smoothed::too_slow(task));
+        found.extend(smoothed::airspeed_too_slow(task));
         found.extend(integrity::reason(record, task));
         found.extend(unsettled(parameters, run));
     } else {

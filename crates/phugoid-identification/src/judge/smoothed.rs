@@ -1,4 +1,4 @@
-//! Whether an accelerometer was smoothed before it was recorded, or is too slow for what acts on it.
+//! Whether an accelerometer was smoothed before it was recorded, or is too slow for what acts on it, and whether the airspeed is.
 //!
 //! A filter that runs forwards and backwards over a record delays nothing, so that no check of times sees it, and it takes the
 //! noise away by which a method weighs the channel. The channel is then believed far more than all others, while what acts on it at
@@ -7,7 +7,7 @@
 //! smoothed has sixth differences a tenth as large over one row. Attitudes and rates often come smoothed from an autopilot, and their
 //! filters follow the motion; accelerations do not.
 
-use phugoid_flight_data::statistics::median;
+use phugoid_flight_data::statistics::{Rank, median, quantile};
 
 use crate::core::estimation::{EstimationStatus, ReasonCode, VerdictReason};
 use crate::core::output::Output;
@@ -49,6 +49,52 @@ pub(super) fn too_slow<M: Motion<N, R>, const N: usize, const R: usize>(task: &T
             "An accelerometer is much slower than the record ({}): what the surfaces do to the force at once is hardly in it, and the \
              bounds of their derivatives may be too small. Record it every 100 ms or faster.",
             list.join(", ")
+        ),
+    })
+}
+
+/// Time between values of the airspeed from which on it counts as slow, s.
+const SLOW_AIRSPEED_S: f64 = 0.25;
+/// Share of the dynamic pressure by which it may change from one value of a slow airspeed to the next, in nine of ten. About a quarter
+/// of the change is what is not known between two values: 5 % of every coefficient, where a usual error of the airspeed makes 6 %.
+const MOST_BETWEEN: f64 = 0.2;
+
+/// Says that the airspeed comes so seldom that the dynamic pressure is another one from value to value: while it takes off, or in
+/// a dive.
+pub(super) fn airspeed_too_slow<M: Motion<N, R>, const N: usize, const R: usize>(
+    task: &Task<M, N, R>,
+) -> Option<VerdictReason> {
+    let row = M::AXES.outputs().iter().position(|output| *output == Output::TrueAirspeed)?;
+    if !task.file.outputs[Output::TrueAirspeed.index()] {
+        return None;
+    }
+    let (time_s, outputs) = (&task.prepared.time, &task.prepared.outputs);
+    // A slow channel is missing between its values, or repeats them.
+    let mut own: Vec<(f64, f64)> = time_s.iter().zip(outputs).map(|(t, y)| (*t, y[row])).collect();
+    own.retain(|(_, speed)| speed.is_finite());
+    own.dedup_by(|(_, speed), (_, before)| speed.to_bits() == before.to_bits());
+    of_airspeed(&own)
+}
+
+/// From the times (s) and values (m/s) of the airspeed.
+fn of_airspeed(own: &[(f64, f64)]) -> Option<VerdictReason> {
+    let mut steps: Vec<f64> = own.windows(2).map(|w| w[1].0 - w[0].0).collect();
+    let step_s = median(&mut steps)?;
+    let change = |w: &[(f64, f64)]| {
+        let [before, after] = [w[0].1, w[1].1].map(|speed| speed * speed);
+        (after - before).abs() / before.max(after)
+    };
+    let mut changes: Vec<f64> = own.windows(2).map(change).filter(|change| change.is_finite()).collect();
+    let most = quantile(&mut changes, 0.9, Rank::Nearest)?;
+    (step_s > SLOW_AIRSPEED_S && most > MOST_BETWEEN).then(|| VerdictReason {
+        code: ReasonCode::Channel,
+        status: EstimationStatus::Doubtful,
+        concerns: vec![Output::TrueAirspeed.name().to_owned()],
+        sentence: format!(
+            "The airspeed comes every {step_s:.1} s, and the dynamic pressure, on which every coefficient rests, changes by up to \
+             {:.0} % from one value to the next: what it is in between is not known well enough. Record the airspeed faster, or \
+             take a part of the flight at a steadier speed (--from, --to).",
+            100.0 * most
         ),
     })
 }
@@ -110,6 +156,22 @@ fn roughness(values: &[f64]) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn an_airspeed_once_a_second_does_in_cruise_and_not_in_a_take_off() {
+        let flown = |step_s: f64, of: &dyn Fn(f64) -> f64| -> Option<VerdictReason> {
+            of_airspeed(&(0..20).map(|k| (step_s * f64::from(k), of(step_s * f64::from(k)))).collect::<Vec<_>>())
+        };
+        // A short period and a phugoid about 20 m/s; 2 m/s^2 from rest.
+        let cruise = |t: f64| 20.0 + 1.5 * (0.6 * t).sin();
+        let take_off = |t: f64| 1.0 + 2.0 * t;
+        assert_eq!(flown(1.0, &cruise), None);
+        assert_eq!(flown(0.1, &take_off), None);
+        let found = flown(1.0, &take_off).unwrap();
+        assert_eq!((found.code, found.status), (ReasonCode::Channel, EstimationStatus::Doubtful));
+        assert!(found.sentence.starts_with("The airspeed comes every 1.0 s"), "{}", found.sentence);
+        assert_eq!(of_airspeed(&[]), None);
+    }
 
     #[test]
     fn a_channel_is_smooth_where_differences_fall_with_the_step() {
