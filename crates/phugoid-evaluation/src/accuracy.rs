@@ -257,7 +257,12 @@ impl<M: Motion<N, R>, const N: usize, const R: usize> Asked<M, N, R> {
             }
             let known = flight.true_parameters.get(&parameter.name).copied();
             let Some(truth) = known.or(parameter.is_nuisance().then_some(0.0)) else {
-                let what = format!("the true value of `{}` is not known", parameter.name);
+                let what = format!(
+                    "the true value of `{}` is not known: the scenario flies another aircraft. Take a scenario that flies the \
+                     aircraft of the model ([aircraft] file = \"...\" in place of `type`, with its speed and altitude), whose \
+                     `start` values are then the truth; phugoid simulate f16-calm --show prints one to begin with",
+                    parameter.name
+                );
                 return Err(unsuitable(&model.source, &what));
             };
             parameters.push(truth);

@@ -81,19 +81,26 @@ pub fn case_text(id: &str) -> Option<&'static str> {
     files.into_iter().flatten().find(|(known, _)| *known == id).map(|(_, text)| *text)
 }
 
-/// The id of the entry whose title the text of a case file bears without being its text; `None` for the text itself, and for a
-/// title that no entry has. A copy with other numbers is not the case of the thesis, whatever its title says.
+/// The id of the entry whose title the text of a case file bears without being its text, or else whose place in the thesis it names;
+/// `None` for the text itself, and for a title and a place that no entry has. A copy with other numbers is not the case of the
+/// thesis, whatever its title says.
 ///
 /// ```
 /// let text = phugoid_thesis::case_text("first-order/1").ok_or("a case")?;
 /// assert_eq!(phugoid_thesis::changed_from(text), None);
 /// assert_eq!(phugoid_thesis::changed_from(&text.replace("start", "#")), Some("first-order/1"));
+/// let own = text.lines().skip(1).collect::<Vec<_>>().join("\n");
+/// assert_eq!(phugoid_thesis::changed_from(&format!("title = \"My case\"\n{own}")), Some("first-order/1"));
 /// # Ok::<(), &str>(())
 /// ```
 pub fn changed_from(text: &str) -> Option<&'static str> {
-    let title = |text: &str| text.lines().find(|line| line.starts_with("title")).map(str::to_owned);
-    let own = title(text)?;
-    let known = entries().into_iter().filter_map(|entry| Some((entry.id, case_text(entry.id)?)));
-    let same = known.filter(|(_, known)| title(known).is_some_and(|known| known == own)).collect::<Vec<_>>();
-    same.iter().all(|(_, known)| known.trim_end() != text.trim_end()).then(|| same.first().map(|(id, _)| *id))?
+    let line = |text: &str, key: &str| text.lines().find(|line| line.starts_with(key)).map(str::to_owned);
+    let known: Vec<_> = entries().into_iter().filter_map(|entry| Some((entry.id, case_text(entry.id)?))).collect();
+    if known.iter().any(|(_, known)| known.trim_end() == text.trim_end()) {
+        return None;
+    }
+    ["title", "place"].into_iter().find_map(|key| {
+        let own = line(text, key)?;
+        known.iter().find(|(_, known)| line(known, key).is_some_and(|known| known == own)).map(|(id, _)| *id)
+    })
 }

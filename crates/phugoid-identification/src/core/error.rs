@@ -58,8 +58,8 @@ pub enum EstimateError {
     /// The noise of an output cannot be measured.
     #[error(
         "the noise of `{0}` cannot be measured from the record: the channel does not move at the start of the record, or has fewer than \
-         eleven values of its own there (twelve, if it is slower than the record). Give it under [noise] in the model file; \
-         if the model can do without `{0}`, leave it out of `outputs`"
+         eleven values of its own there (twelve, if it is slower than the record), which a longer part of a flight has. Give it \
+         under [noise] in the model file; if the model can do without `{0}`, leave it out of `outputs`"
     )]
     Noise(String),
     /// The model, the signals or the reference point cannot be made of the file and the record; the sentence says why.

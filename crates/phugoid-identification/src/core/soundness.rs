@@ -233,7 +233,7 @@ pub fn headline(reasons: &[VerdictReason]) -> Option<String> {
     let (word, advice) = match status {
         EstimationStatus::Refused => ("REFUSED", "Use neither these numbers nor their bounds."),
         EstimationStatus::Doubtful if is_in_part(reasons) => {
-            ("DOUBTFUL", "Use only what is called converged, or estimate with the term.")
+            ("DOUBTFUL", "Use at most what is called converged, or estimate with the term.")
         }
         EstimationStatus::Doubtful => {
             ("DOUBTFUL", "Settle what is named below before you use these numbers or their bounds.")

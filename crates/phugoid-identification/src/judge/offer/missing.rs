@@ -65,6 +65,14 @@ pub(crate) fn missing(offer: &Offer, first: Found<'_>, with: Option<Found<'_>>, 
         let is_same = moved(offer).any(|m| m.name == name && m.errors <= SAME);
         settled.is_some() && is_same && !is_own(offer, file, name)
     };
+    // A term that mends the fit and makes of the others what no aeroplane has is not what is missing.
+    let is_impossible = |reason: &&VerdictReason| {
+        reason.is_against()
+            && [ReasonCode::Physics, ReasonCode::Sign].contains(&reason.code)
+            && without.reasons.iter().all(|known| known.code != reason.code)
+    };
+    let impossible = with.and_then(|with| with.estimation.reasons.iter().find(is_impossible));
+    let impossible = impossible.map(|reason| reason.sentence.as_str());
     let names = without.parameters.iter().filter(|p| p.status != FinalStatus::Fixed).map(|p| p.name.clone());
     let (holding, concerns): (Vec<String>, Vec<String>) = names.partition(|name| holds(name));
     // Where nothing holds, what was refused stays refused.
@@ -73,13 +81,21 @@ pub(crate) fn missing(offer: &Offer, first: Found<'_>, with: Option<Found<'_>>, 
         code: ReasonCode::MissingTerm,
         status: status.max(EstimationStatus::Doubtful),
         concerns,
-        sentence: in_words(offer, !explains.is_empty(), &explains_changes, &bent, &holding),
+        sentence: in_words(offer, !explains.is_empty(), &explains_changes, &bent, &holding, impossible),
     };
     Some(Missing { reason, explains, explains_changes })
 }
 
-/// The sentences of the reason. `explains`: with the terms nothing speaks against the result any more.
-fn in_words(offer: &Offer, explains: bool, changes_s: &[f64], bent: &[Moved<'_>], holding: &[String]) -> String {
+/// The sentences of the reason. `explains`: with the terms nothing speaks against the result any more. `impossible`: what of the
+/// result with them no aeroplane has.
+fn in_words(
+    offer: &Offer,
+    explains: bool,
+    changes_s: &[f64],
+    bent: &[Moved<'_>],
+    holding: &[String],
+    impossible: Option<&str>,
+) -> String {
     let term = if offer.missing().count() == 1 { "the term" } else { "these terms" };
     let mut words = format!("The model lacks {}", missing_in_words(offer));
     words.push_str(&if explains {
@@ -107,7 +123,13 @@ fn in_words(offer: &Offer, explains: bool, changes_s: &[f64], bent: &[Moved<'_>]
             holding.join(", ")
         ));
     }
-    words.push_str(&format!(" Estimate with {term} (--structure auto, or the lines for the model file below)."));
+    words.push_str(&match impossible {
+        None => format!(" Estimate with {term} (--structure auto, or the lines for the model file below)."),
+        Some(why) => format!(
+            " With {term} the result is no better, so that something else is missing or wrong, or this flight does not tell it: \
+             {why}"
+        ),
+    });
     words
 }
 
