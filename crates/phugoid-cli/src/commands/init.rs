@@ -53,7 +53,14 @@ pub(crate) fn run(arguments: &arguments::Init) -> Result<(), Failure> {
     }
     if let Some(file) = &arguments.out {
         let (flight, file) = (printable::path(&arguments.flight), printable::path(file));
-        told.push_str(&format!("Next: phugoid estimate {flight} --model {file}\n"));
+        let parts: String = drafted.manoeuvres.iter().map(|number| format!(" --segment {number}")).collect();
+        told.push_str(&format!("Next: phugoid estimate {flight} --model {file}{parts}\n"));
+        if !parts.is_empty() {
+            told.push_str(&wrapped(
+                "The model is of the axes that these manoeuvres move; in the rest of the flight the other axes move too, which it \
+                 cannot explain.",
+            ));
+        }
     }
     // Nobody is left to tell when standard error is closed.
     let _ = io::stderr().write_all(told.as_bytes());

@@ -348,6 +348,15 @@ impl Term {
         }
     }
 
+    /// The flight variable (by its position) that the term follows in a straight line from a value on, and that value in its unit;
+    /// `None` of any other term.
+    pub(crate) fn straight_above(&self) -> Option<(usize, f64)> {
+        match (self.factors.as_slice(), self.bent.as_slice()) {
+            ([], [Bent { variable, bend: Bend::Above(from), power: 1 }]) => Some((*variable, *from)),
+            _ => None,
+        }
+    }
+
     /// Derivative with respect to one of the flight variables (by its position, [`Variable::index`]), where they have these values, in
     /// their units: rad, and 1 for what is made dimensionless. Zero for a variable that the term does not have.
     pub fn slope(&self, variable: usize, factors: &[f64; FACTORS]) -> f64 {

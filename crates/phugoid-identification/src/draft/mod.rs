@@ -50,6 +50,9 @@ pub struct Draft {
     pub record_doubts: Vec<String>,
     /// Which of two is used where an answer and the record say the same quantity, a sentence each.
     pub said_twice: Vec<String>,
+    /// Where surfaces of the other axes were moved as well: the numbers, counted from 1, of the manoeuvres (as `phugoid inspect`
+    /// and [`find`] have them) in which they were not, of which this model is. Empty where all of the flight is.
+    pub manoeuvres: Vec<usize>,
 }
 
 /// What has to be answered before a model file can be begun; empty if [`draft`] has all that it needs.
@@ -114,6 +117,21 @@ fn axes_of(record: &Record, contents: &Contents<'_>, answers: &Answers) -> (Draf
     (axes, lateral)
 }
 
+/// The manoeuvres that move the axes of a model alone, where others of the record move the other axes.
+fn own_manoeuvres(record: &Record, axes: DraftedAxes) -> Vec<usize> {
+    let (own, other) = match axes {
+        DraftedAxes::Longitudinal => (Group::Longitudinal, Group::Lateral),
+        DraftedAxes::Lateral => (Group::Lateral, Group::Longitudinal),
+        DraftedAxes::Both => return Vec::new(),
+    };
+    let found = find(record, &Settings::default());
+    if !found.manoeuvres.iter().any(|manoeuvre| manoeuvre.moves(other)) {
+        return Vec::new();
+    }
+    let alone = found.manoeuvres.iter().zip(1..).filter(|(m, _)| m.moves(own) && !m.moves(other));
+    alone.map(|(_, number)| number).collect()
+}
+
 /// Begins a model file for a flight.
 ///
 /// # Errors
@@ -156,5 +174,6 @@ pub fn draft(record: &Record, answers: &Answers) -> Result<Draft, DraftError> {
     let doubts = examined::doubts(&contents, answers, &aircraft, &found);
     let mut record_doubts: Vec<String> = found.iter().map(Doubt::to_string).collect();
     record_doubts.extend(examined::assumed_units(&contents, &record, &model));
-    Ok(Draft { text, assumed, doubts, record_doubts, said_twice: examined::said_twice(&contents, answers, axes) })
+    let said_twice = examined::said_twice(&contents, answers, axes);
+    Ok(Draft { text, assumed, doubts, record_doubts, said_twice, manoeuvres: own_manoeuvres(&record, axes) })
 }

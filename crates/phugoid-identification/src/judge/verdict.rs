@@ -10,10 +10,13 @@ use crate::core::estimation::{
     Signal, VerdictReason, headline,
 };
 use crate::core::options::Opens;
+use crate::core::number::significant;
 use crate::core::output::Output;
+use crate::core::term::Variable;
 use crate::judge::contradiction::{Spread, colour};
 use crate::judge::{physics, systematic};
 use crate::methods::{Run, Task};
+use crate::model_file::{ModelFile, Role};
 use crate::motion::Motion;
 
 /// Theil's coefficient up to which a prediction counts as good (Jategaonkar, Flight Vehicle System Identification, ch.
@@ -47,6 +50,7 @@ pub(crate) fn verdict<M: Motion<N, R>, const N: usize, const R: usize>(
     if run.excited {
         excitation(parameters, &pairs, &mut sentences);
         tell_pairs(parameters, &pairs, &mut sentences);
+        slopes_beyond_bends(task.file, parameters, correlation, &mut sentences);
         advice(parameters, &mut sentences);
         changes(parameters, run, contradicted, adopted, &mut sentences);
         residuals(&history.residuals, run, &mut sentences);
@@ -293,6 +297,42 @@ fn tell_pairs(parameters: &[ParameterResult], found: &[Pair], sentences: &mut Ve
             let digits = if r.abs() >= INDISTINGUISHABLE { 4 } else { 3 };
             format!("{a} and {b} are strongly correlated ({r:.digits$}): read them together.")
         });
+    }
+}
+
+/// Of a coefficient that is two straight lines over a variable: what its slope is beyond the bend. The parameter that is named
+/// like the derivative is the slope before it, wherever the aircraft has flown.
+fn slopes_beyond_bends(
+    file: &ModelFile,
+    parameters: &[ParameterResult],
+    correlation: &[Vec<f64>],
+    sentences: &mut Vec<String>,
+) {
+    let named = |name: &str| parameters.iter().position(|parameter| parameter.name == name);
+    for parameter in &file.parameters {
+        let Role::Term(coefficient, term) = &parameter.role else { continue };
+        let Some((variable, from)) = term.straight_above() else { continue };
+        let is_line = |role: &Role| matches!(role, Role::Term(c, line) if c == coefficient && line.single() == Some(variable));
+        let line = file.parameters.iter().find(|other| is_line(&other.role)).and_then(|line| named(&line.name));
+        let (Some(line), Some(beyond)) = (line, named(&parameter.name)) else { continue };
+        let (a, b) = (&parameters[line], &parameters[beyond]);
+        let r = correlation.get(line).and_then(|row| row.get(beyond)).copied().unwrap_or(0.0);
+        let [s, t] = [a, b].map(|p| p.corrected_std_error);
+        let std = (s * s + t * t + 2.0 * r * s * t).max(0.0).sqrt();
+        if !std.is_finite() {
+            continue;
+        }
+        let is_angle = variable < Variable::ALL.len() && variable != Variable::Airspeed.index();
+        let place = if is_angle { format!("{:.1} deg", from.to_degrees()) } else { significant(from, 3) };
+        let name = Variable::ALL.get(variable).map_or("its variable", |variable| variable.name());
+        sentences.push(format!(
+            "{} is the slope where {name} is below {place}. Above, the slope is {} + {} = {} +- {} (two sigma).",
+            a.name,
+            a.name,
+            b.name,
+            significant(a.value + b.value, 4),
+            significant(2.0 * std, 2),
+        ));
     }
 }
 
