@@ -356,6 +356,13 @@ def test_a_frame_with_dates_is_a_record_with_a_start(tmp_path):
     both = pandas.DataFrame({"time_s": np.arange(50.0), **columns}, index=BERLIN)
     with pytest.raises(phugoid.PhugoidError, match="reset_index"):
         phugoid.Record.from_frame(both)
+    # Numbers are times where the index is called so, in the unit that it states.
+    seconds = pandas.Index(0.02 * np.arange(50.0), name="time_s")
+    assert phugoid.Record.from_frame(pandas.DataFrame(columns, index=seconds)).time[-1] == 0.98
+    milliseconds = pandas.Index(20 * np.arange(50), name="time_ms")
+    assert abs(phugoid.Record.from_frame(pandas.DataFrame(columns, index=milliseconds)).time[-1] - 0.98) < 1e-12
+    with pytest.raises(phugoid.PhugoidError, match="reset_index"):
+        phugoid.Record.from_frame(pandas.DataFrame({"t": np.arange(50.0), **columns}, index=seconds))
     # A file with dates has a start too, and a part of it keeps the same zero.
     (tmp_path / "dated.csv").write_text("time,alpha_deg\n2024-05-01T14:34:56+02:00,1\n2024-05-01T14:34:57+02:00,2\n")
     dated = phugoid.Record.open(tmp_path / "dated.csv")

@@ -78,9 +78,22 @@ def _of_column(series: Any, header: str) -> tuple[np.ndarray, Start]:
     return _instants(np.asarray(series.to_numpy(), dtype="datetime64[ns]"), is_utc, f"column '{header}'")
 
 
+def _is_time(header: str) -> bool:
+    return header.lower() in ("time", "t") or header.lower().startswith(("time_", "t_", "time ["))
+
+
+def _numbers_of_index(frame: Any) -> dict[str, Any]:
+    """An index of numbers that is called a time, with its name as the header: any other index of numbers counts rows."""
+    index: Any = getattr(frame, "index", None)
+    name = getattr(index, "name", None)
+    is_number = getattr(getattr(index, "dtype", None), "kind", None) in ("f", "i", "u")
+    return {name: index.to_numpy()} if is_number and isinstance(name, str) and _is_time(name) else {}
+
+
 def columns_of(frame: Any) -> tuple[dict[str, Any], Start]:
     """The columns of a frame that are numbers, and the time in seconds from its index or its one column of dates."""
-    data: dict[str, Any] = {}
+    data: dict[str, Any] = _numbers_of_index(frame)
+    of_index = next(iter(data), None)
     found = _of_index(frame)
     dates = []
     for header in frame.columns:
@@ -91,7 +104,12 @@ def columns_of(frame: Any) -> tuple[dict[str, Any], Start]:
         values = series.to_numpy()
         if np.issubdtype(values.dtype, np.number) or values.dtype == bool:
             data[str(header)] = values
-    times = [header for header in data if header.lower() in ("time", "t") or header.lower().startswith(("time_", "t_", "time ["))]
+    times = [header for header in data if _is_time(header)]
+    if of_index is not None and (len(times) > 1 or of_index in map(str, frame.columns)):
+        raise PhugoidError(
+            f"the index '{of_index}' and the column '{times[-1]}' both give times: drop the column, or take the index away "
+            "with reset_index(drop=True)"
+        )
     if found is None and not times and len(dates) == 1:
         found = (*_of_column(frame[dates[0]], str(dates[0])), f"column '{dates[0]}'")
     if found is None:

@@ -234,7 +234,7 @@ impl<'a> Writer<'a> {
                 Some(ixz) => self.put("ixz", &quantity(ixz, "kg*m^2"), ""),
                 None => {
                     self.put("ixz", "0", "assumed: not known");
-                    self.assume("ixz 0: say it with --ixz");
+                    self.assume("ixz 0, and no error of it is in the bounds: say it with --ixz");
                 }
             }
         }
