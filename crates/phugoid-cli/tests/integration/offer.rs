@@ -103,3 +103,26 @@ fn terms_are_offered_taken_or_not_looked_for() {
     assert!(right["offer"]["tried"].as_u64().unwrap() >= 20);
     assert!(right["offer"]["terms"].as_array().unwrap().iter().all(|t| t["asked_for"] == false), "{right}");
 }
+
+/// Of two straight lines the parameter that is named like the derivative is the slope before the bend, wherever the aircraft flew.
+#[test]
+fn the_slope_beyond_a_bend_is_said() {
+    let folder = Folder::new("offer-bend");
+    phugoid(&folder.0, &["simulate", "hfb320", "--out", "flight"]);
+    let model = phugoid(&folder.0, &["estimate", "--show-model", "hfb320"]).out;
+    let straight = "CL = [\"1\", \"v_hat\", \"alpha\"]";
+    assert!(model.contains(straight), "{model}");
+    folder.file("bent.toml", &model.replace(straight, "CL = [\"1\", \"v_hat\", \"alpha\", \"max(alpha - 0.1, 0)\"]"));
+    let found =
+        phugoid(&folder.0, &["estimate", "flight/measured.csv", "--model", "bent.toml", "--no-report", "--no-offer"]);
+    let words = found.out.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(
+        words.contains("CL_alpha is the slope where alpha is below 5.7 deg. Above, the slope is CL_alpha + "),
+        "{}",
+        found.out
+    );
+    // The flight has one straight line, of the slope in the model file.
+    let sum = words.split("CL_alpha + ").nth(1).and_then(|rest| rest.split("= ").nth(1)).unwrap();
+    let numbers: Vec<f64> = sum.split(" (two").next().unwrap().split(" +- ").map(|n| n.parse().unwrap()).collect();
+    assert!((numbers[0] - 5.376).abs() < numbers[1] && numbers[1] < 2.0, "{numbers:?}");
+}

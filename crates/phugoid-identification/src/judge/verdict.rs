@@ -9,8 +9,8 @@ use crate::core::estimation::{
     AdoptedChange, BatchReport, ChangeOutcome, ChangedParameter, FinalStatus, History, ParameterResult, ReasonCode,
     Signal, VerdictReason, headline,
 };
-use crate::core::options::Opens;
 use crate::core::number::significant;
+use crate::core::options::Opens;
 use crate::core::output::Output;
 use crate::core::term::Variable;
 use crate::judge::contradiction::{Spread, colour};
@@ -312,7 +312,8 @@ fn slopes_beyond_bends(
     for parameter in &file.parameters {
         let Role::Term(coefficient, term) = &parameter.role else { continue };
         let Some((variable, from)) = term.straight_above() else { continue };
-        let is_line = |role: &Role| matches!(role, Role::Term(c, line) if c == coefficient && line.single() == Some(variable));
+        let is_line =
+            |role: &Role| matches!(role, Role::Term(c, line) if c == coefficient && line.single() == Some(variable));
         let line = file.parameters.iter().find(|other| is_line(&other.role)).and_then(|line| named(&line.name));
         let (Some(line), Some(beyond)) = (line, named(&parameter.name)) else { continue };
         let (a, b) = (&parameters[line], &parameters[beyond]);
