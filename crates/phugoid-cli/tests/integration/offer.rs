@@ -112,7 +112,9 @@ fn the_slope_beyond_a_bend_is_said() {
     let model = phugoid(&folder.0, &["estimate", "--show-model", "hfb320"]).out;
     let straight = "CL = [\"1\", \"v_hat\", \"alpha\"]";
     assert!(model.contains(straight), "{model}");
-    folder.file("bent.toml", &model.replace(straight, "CL = [\"1\", \"v_hat\", \"alpha\", \"max(alpha - 0.1, 0)\"]"));
+    let bent = "CL = [\"1\", \"v_hat\", \"alpha\", \"max(alpha - 0.1, 0)\"]";
+    let prior = "[parameters]\nCL_alpha_above_0p1 = { start = 0, prior_std = 5 }";
+    folder.file("bent.toml", &model.replace(straight, bent).replace("[parameters]", prior));
     let found =
         phugoid(&folder.0, &["estimate", "flight/measured.csv", "--model", "bent.toml", "--no-report", "--no-offer"]);
     let words = found.out.split_whitespace().collect::<Vec<_>>().join(" ");
