@@ -20,7 +20,7 @@ use phugoid_flight_dynamics::f16::F16Options;
 
 pub use self::daveml::FlownDaveml;
 pub use self::error::FlownError;
-pub use self::jsbsim::FlownJsbsim;
+pub use self::jsbsim::{FlightControl, FlownJsbsim, Sensed};
 pub use self::options::{FlownOptions, Thrust};
 use crate::tp1538::{self, Tp1538};
 use crate::transport::{Damage, Transport, TransportOptions};
@@ -87,6 +87,7 @@ impl AircraftFile {
             if options.thrust_scale != 1.0 {
                 return no_option("thrust_scale", transport);
             }
+            no_flight_control(path, options, "this is the Generic Transport Model")?;
             let options =
                 TransportOptions { damage: options.damage, gravity: options.gravity, ..TransportOptions::default() };
             return Ok(Self::Transport(Box::new(Transport::open_with(path, &options)?)));
@@ -104,11 +105,15 @@ impl AircraftFile {
             }
         } else if is_model(path) {
             // Some of these files are no XML before they are repaired, so that they are known by their name first.
+            no_flight_control(path, options, DAVEML)?;
             return Ok(Self::Daveml(Box::new(FlownDaveml::open_with(path, options)?)));
         } else {
             match root_of(path)?.as_str() {
                 "fdm_config" => {}
-                "DAVEfunc" => return Ok(Self::Daveml(Box::new(FlownDaveml::open_with(path, options)?))),
+                "DAVEfunc" => {
+                    no_flight_control(path, options, DAVEML)?;
+                    return Ok(Self::Daveml(Box::new(FlownDaveml::open_with(path, options)?)));
+                }
                 root => return Err(FlownError::UnknownKind { file: path.into(), root: root.to_owned() }),
             }
         }
@@ -171,6 +176,17 @@ impl AircraftFile {
     }
 }
 
+/// Why flight control of an aircraft in DAVE-ML cannot run.
+const DAVEML: &str = "this one is in DAVE-ML";
+
+/// Refuses flight control for an aircraft that has none.
+fn no_flight_control(path: &Path, options: &FlownOptions, why: &str) -> Result<(), FlownError> {
+    if options.flight_control {
+        return Err(FlownError::NoFlightControl { file: path.into(), why: why.to_owned() });
+    }
+    Ok(())
+}
+
 /// The F-16 of NASA TP-1538, whose one property is its centre of gravity.
 fn open_tp1538(path: &Path, options: &FlownOptions) -> Result<AircraftFile, FlownError> {
     for (option, given) in [
@@ -183,6 +199,7 @@ fn open_tp1538(path: &Path, options: &FlownOptions) -> Result<AircraftFile, Flow
             return Err(FlownError::Option { file: path.into(), option, aircraft: "the F-16 of NASA TP-1538" });
         }
     }
+    no_flight_control(path, options, "this is the F-16 of NASA TP-1538")?;
     let mut cg = F16Options::default().cg;
     for (name, value) in &options.properties {
         if name != "cg" {

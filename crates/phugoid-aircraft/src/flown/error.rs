@@ -118,6 +118,45 @@ pub enum FlownError {
         /// What the aircraft is.
         aircraft: &'static str,
     },
+    /// There is no flight control system that could fly the aircraft of this file.
+    #[error(
+        "{}: `flight_control` lets the flight control system of an aircraft of JSBSim move the surfaces, and {why}: leave it out",
+        file.display()
+    )]
+    NoFlightControl {
+        /// The file or folder.
+        file: PathBuf,
+        /// Why there is none.
+        why: String,
+    },
+    /// Flight control reads what JSBSim computes in flight and this crate does not.
+    #[error(
+        "{}: line {line}: flight control moves the surfaces by {property}, which JSBSim computes in flight and nothing gives here.          Give it a constant value (`properties` in a scenario), or leave `flight_control` out",
+        file.display()
+    )]
+    Unfed {
+        /// The file.
+        file: PathBuf,
+        /// Line where the property is first named, from 1.
+        line: u32,
+        /// The property.
+        property: String,
+    },
+    /// Flight control does not come to rest in steady flight.
+    #[error(
+        "{}: flight control does not come to rest in the trim of the flight: after {after_s:.0} s its {surface} still moves by          {rate_deg_s:.3} deg/s. Begin in a condition that it holds, or leave `flight_control` out",
+        file.display()
+    )]
+    Restless {
+        /// The file.
+        file: PathBuf,
+        /// `elevator`, `aileron` or `rudder`.
+        surface: &'static str,
+        /// How long it was given, s.
+        after_s: f64,
+        /// How fast the surface moves still, deg/s.
+        rate_deg_s: f64,
+    },
     /// The file is of no kind that is known.
     #[error("{}: the file begins with <{root}>; aircraft of JSBSim begin with <fdm_config>, models in DAVE-ML with \
              <DAVEfunc>", file.display())]

@@ -1,13 +1,14 @@
 //! An aircraft of JSBSim over a flat earth.
 
 mod aerodynamics;
+mod control;
 mod drive;
 mod notes;
 mod start;
 
 use std::path::{Path, PathBuf};
 
-use phugoid_flight_dynamics::actuator::Actuators;
+use phugoid_flight_dynamics::actuator::{Actuator, Actuators};
 use phugoid_flight_dynamics::aircraft::{
     AirData, Aircraft as Flown, Coefficients, Controls, DataRange, Geometry, Propulsion,
 };
@@ -21,6 +22,8 @@ use super::surface::{LAG_S, surfaces};
 use crate::expansion::expanded;
 use crate::jsbsim::Aircraft;
 use aerodynamics::{Aerodynamics, VARIABLES};
+use control::Control;
+pub use control::{FlightControl, Sensed};
 use drive::{Drive, ENGINE_LAG_S};
 use start::started;
 
@@ -45,8 +48,9 @@ const RATIO_OF_HEATS: f64 = 1.4;
 ///
 /// The aerodynamics see the attitude of straight flight in the plane of symmetry (pitch angle equal to the angle of attack),
 /// no rate of sideslip, no engines, and the height that the density has in the standard atmosphere. Mass and inertia stay those
-/// of the beginning. Flight control does not run: the surfaces are where they are put, and of its components only those without a
-/// memory that follow the flight alone have their values. What is not finite in gives what is not
+/// of the beginning. Flight control is no part of it: the surfaces are where they are put, and of its components only those without a
+/// memory that follow the flight alone have their values. Opened with `flight_control`, it gives the flight control system of the
+/// files beside it ([`flight_control`](Self::flight_control)), which says where to put them. What is not finite in gives what is not
 /// finite out.
 ///
 /// The engines follow the throttle with a lag of 1 s, and push as in axial flow; power is the throttle in percent. It is
@@ -65,6 +69,8 @@ pub struct FlownJsbsim {
     data_range: DataRange,
     /// Whether the aerodynamics read the rate of the angle of attack.
     reads_alpha_rate: bool,
+    /// The channels, where they are to run.
+    control: Option<Box<Control>>,
     notes: Vec<String>,
 }
 
@@ -92,6 +98,7 @@ impl FlownJsbsim {
     pub fn new(mut aircraft: Aircraft, options: &FlownOptions) -> Result<Self, FlownError> {
         check(options)?;
         let mut notes: Vec<String> = aircraft.omitted().iter().map(ToString::to_string).collect();
+        let as_written = options.flight_control.then(|| aircraft.clone());
         let computed = aircraft.compute_steady_channels()?;
         if !computed.is_empty() {
             notes.push(format!(
@@ -100,7 +107,7 @@ impl FlownJsbsim {
             ));
         }
         let surfaces = surfaces(&aircraft, &mut notes)?;
-        let mut evaluator = started(&aircraft, &surfaces, options)?;
+        let (mut evaluator, engaged) = started(&aircraft, &surfaces, options)?;
         let masses = evaluator.mass_properties();
         let mass = MassProperties::from_tensor(masses.mass_kg, masses.inertia_kg_m2, 0.0).ok_or_else(|| {
             let [[xx, ..], [_, yy, _], [.., zz]] = masses.inertia_kg_m2;
@@ -108,13 +115,23 @@ impl FlownJsbsim {
         })?;
         let geometry = geometry(&aircraft, masses.centre_of_gravity_m[0])?;
         notes.push("The reference point of the aerodynamics is taken to be at a quarter of the chord.".into());
-        notes.push(format!(
-            "Flight control does not run: surfaces follow their commands with a lag of {LAG_S} s and no limit of rate."
-        ));
+        let control = match as_written {
+            Some(as_written) => {
+                let control = Control::new(as_written, &mut evaluator, &surfaces, options, engaged, &mut notes)?;
+                Some(Box::new(control))
+            }
+            None => {
+                notes.push(format!(
+                    "Flight control does not run: surfaces follow their commands with a lag of {LAG_S} s and no limit of rate."
+                ));
+                None
+            }
+        };
         let drive = Drive::new(&aircraft, &evaluator, options.thrust, mass.mass() * options.gravity, &mut notes);
-        let reads_alpha_rate = notes::note_inputs(&aircraft, &surfaces, &mut evaluator, options.thrust, &mut notes);
+        let reads_alpha_rate = notes::note_inputs(&aircraft, &surfaces, &mut evaluator, options, &mut notes);
         let alpha = aircraft.alpha_of_tables().unwrap_or(DataRange::UNSTATED.alpha);
-        let [elevator, aileron, rudder] = [0, 1, 2].map(|i: usize| surfaces[i].actuator);
+        let lags = control.as_ref().map_or([LAG_S; 3], |control| control.lags_s());
+        let [elevator, aileron, rudder] = [0, 1, 2].map(|i: usize| Actuator { lag: lags[i], ..surfaces[i].actuator });
         let surface_stops = [0, 1, 2].map(|i: usize| surfaces[i].stops);
         let aerodynamics = Aerodynamics::new(&aircraft, &evaluator, &surfaces);
         Ok(Self {
@@ -128,6 +145,7 @@ impl FlownJsbsim {
             surface_stops,
             data_range: DataRange { alpha, ..DataRange::UNSTATED },
             reads_alpha_rate,
+            control,
             notes,
             aircraft,
         })
@@ -146,6 +164,25 @@ impl FlownJsbsim {
     /// What the files ask for and is left out, and what is assumed, in sentences.
     pub fn notes(&self) -> &[String] {
         &self.notes
+    }
+
+    /// The flight control system of the files as it takes over in a trim: with what it senses there, from elevator, aileron and rudder
+    /// at these angles (rad, in the signs of the equations of motion), to run every `step_s` seconds.
+    ///
+    /// # Errors
+    /// [`FlownError`]: an aircraft that was opened without [`flight_control`](FlownOptions::flight_control), channels that do not
+    /// come to rest in this trim, a step that is not positive.
+    pub fn flight_control(
+        &self,
+        sensed: &Sensed,
+        trim_rad: [f64; 3],
+        step_s: f64,
+    ) -> Result<FlightControl<'_>, FlownError> {
+        let control = self.control.as_deref().ok_or_else(|| FlownError::NoFlightControl {
+            file: file_of(&self.aircraft),
+            why: "this one was opened without it".to_owned(),
+        })?;
+        FlightControl::new(control, sensed, trim_rad, step_s)
     }
 }
 

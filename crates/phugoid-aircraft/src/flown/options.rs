@@ -37,6 +37,10 @@ pub struct FlownOptions {
     pub with: Vec<PathBuf>,
     /// Damage, which the Generic Transport Model alone has; none by default.
     pub damage: Damage,
+    /// Whether the flight control system of the files can fly the aircraft ([`FlightControl`](super::FlightControl)), which
+    /// aircraft of JSBSim alone have; it does not by default. `properties` may then also hold what its channels read, such as the
+    /// switches and set points of an autopilot, which are set when the flight begins.
+    pub flight_control: bool,
 }
 
 impl Default for FlownOptions {
@@ -48,6 +52,7 @@ impl Default for FlownOptions {
             properties: Vec::new(),
             with: Vec::new(),
             damage: Damage::None,
+            flight_control: false,
         }
     }
 }

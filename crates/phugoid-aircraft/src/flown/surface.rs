@@ -7,6 +7,13 @@ use crate::jsbsim::{Aircraft, Follower, Scaling};
 
 /// Time constant of a surface behind its command, s: an assumption, the same for every aircraft.
 pub(super) const LAG_S: f64 = 0.05;
+/// That of a surface whose drive the channels of the files have already, where they run, s: the shortest that the steps of a
+/// simulation follow.
+pub(super) const DRIVEN_LAG_S: f64 = 0.01;
+/// Their names.
+pub(super) const NAMES: [&str; 3] = ["elevator", "aileron", "rudder"];
+/// Signs of the angles in JSBSim against those of the equations of motion.
+pub(super) const SIGNS: [f64; 3] = [1.0, -1.0, 1.0];
 /// Largest deflection where the files give none, rad.
 pub(super) const UNKNOWN_LIMIT: f64 = 60.0 * DEGREE;
 const DEGREE: f64 = std::f64::consts::PI / 180.0;
@@ -31,10 +38,11 @@ const RUDDER: &[(&str, f64)] = &[("fcs/rudder-pos", 1.0)];
 /// JSBSim measures the aileron by the angle of the left one, positive with its trailing edge down, which rolls to the right.
 /// A rudder is positive with its trailing edge to the left, and an elevator with it down, as in the equations of motion.
 pub(super) fn surfaces(aircraft: &Aircraft, notes: &mut Vec<String>) -> Result<[Surface; 3], FlownError> {
+    let [elevator, aileron, rudder] = [ELEVATOR, AILERON, RUDDER];
     Ok([
-        surface(aircraft, "elevator", ELEVATOR, 1.0, notes)?,
-        surface(aircraft, "aileron", AILERON, -1.0, notes)?,
-        surface(aircraft, "rudder", RUDDER, 1.0, notes)?,
+        surface(aircraft, NAMES[0], elevator, SIGNS[0], notes)?,
+        surface(aircraft, NAMES[1], aileron, SIGNS[1], notes)?,
+        surface(aircraft, NAMES[2], rudder, SIGNS[2], notes)?,
     ])
 }
 

@@ -49,6 +49,7 @@ mod aerodynamics;
 mod aircraft;
 mod builtin;
 mod channels;
+mod closed_loop;
 mod compiled;
 mod error;
 mod evaluator;

@@ -19,15 +19,15 @@ pub(crate) enum Awaited {
     Jsbsim,
 }
 
-/// Properties and tables that the aerodynamics go through.
-struct Reached {
-    properties: Vec<bool>,
+/// Properties and tables that functions and properties go through.
+pub(super) struct Reached {
+    pub(super) properties: Vec<bool>,
     tables: Vec<bool>,
 }
 
 impl Aircraft {
     /// What functions go through, themselves and by other functions, and where `channels` is set by the components of channels.
-    fn reached_from(&self, functions: Vec<usize>, properties: Vec<usize>, channels: bool) -> Reached {
+    pub(super) fn reached_from(&self, functions: Vec<usize>, properties: Vec<usize>, channels: bool) -> Reached {
         let model = &self.model;
         let mut reached =
             Reached { properties: vec![false; model.properties.len()], tables: vec![false; model.tables.len()] };

@@ -1,7 +1,8 @@
 //! What the aerodynamics and engines of an aircraft of JSBSim read and nothing changes.
 
 use super::drive::engines_flown;
-use crate::flown::options::Thrust;
+use super::start::is_begun;
+use crate::flown::options::FlownOptions;
 use crate::flown::surface::Surface;
 use crate::jsbsim::{Aircraft, Awaited, Evaluator};
 
@@ -10,7 +11,7 @@ pub(super) fn note_inputs(
     aircraft: &Aircraft,
     surfaces: &[Surface; 3],
     evaluator: &mut Evaluator<'_>,
-    thrust: Thrust,
+    options: &FlownOptions,
     notes: &mut Vec<String>,
 ) -> bool {
     let read = aircraft.aerodynamics_read();
@@ -21,7 +22,7 @@ pub(super) fn note_inputs(
         notes.push("What the engines add to the aerodynamics is left out.".into());
     }
     let mut all = read.clone();
-    let throttles = match engines_flown(aircraft, thrust) {
+    let throttles = match engines_flown(aircraft, options.thrust) {
         None => Vec::new(),
         Some((throttles, _)) => {
             all.extend(aircraft.engines_read().into_iter().filter(|name| !read.contains(name)));
@@ -38,7 +39,12 @@ pub(super) fn note_inputs(
         }
         let value = evaluator.get(name).unwrap_or(f64::NAN);
         let of_control = name.starts_with("fcs/") || name.starts_with("gear/");
+        let given = options.properties.iter().any(|(given, _)| aircraft.property(given) == Some(index));
         notes.push(match aircraft.awaited(index) {
+            Some(Awaited::Channel) if options.flight_control && !given && !is_begun(name) => format!(
+                "{name}, which a channel writes, stays at {value} for aerodynamics and engines: of what channels write they feel the \
+                 surfaces alone."
+            ),
             _ if of_control && !aircraft.is_computed(index) => format!("{name} stays at {value}."),
             None => continue,
             Some(Awaited::Channel) => {

@@ -1,5 +1,6 @@
 //! An aircraft of JSBSim as it begins.
 
+use super::control::{STICKS, is_sensed};
 use super::drive::engines_flown;
 use crate::flown::error::FlownError;
 use crate::flown::options::FlownOptions;
@@ -11,7 +12,10 @@ const MOST_NAMED: usize = 24;
 /// Metres in a foot.
 const FOOT: f64 = 0.3048;
 
-/// An evaluator with the properties of the options.
+/// Properties that only the channels read and that options set, with their values: they are set when channels take over.
+pub(super) type Engaged = Vec<(usize, f64)>;
+
+/// An evaluator with the properties of the options, and those that are for channels alone.
 ///
 /// # Errors
 /// [`FlownError`]: a property that is not there, that has another source, or that nothing reads.
@@ -19,8 +23,9 @@ pub(super) fn started<'a>(
     aircraft: &'a Aircraft,
     surfaces: &[Surface; 3],
     options: &FlownOptions,
-) -> Result<Evaluator<'a>, FlownError> {
+) -> Result<(Evaluator<'a>, Engaged), FlownError> {
     let mut evaluator = Evaluator::new(aircraft);
+    let mut engaged = Engaged::new();
     evaluator.set("gear/gear-pos-norm", 0.0);
     evaluator.set("accelerations/gravity-ft_sec2", options.gravity / FOOT);
     for engine in 0..aircraft.engines().len() {
@@ -35,12 +40,49 @@ pub(super) fn started<'a>(
         let Some(index) = aircraft.property(name) else {
             return Err(FlownError::Property { name: name.clone(), settable: settable() });
         };
-        if let Some(why) = source_of(aircraft, surfaces, options, index) {
-            return Err(FlownError::WithoutEffect { name: name.clone(), why, settable: settable() });
+        if !is_for_channels(aircraft, options, index) {
+            if let Some(why) = source_of(aircraft, surfaces, options, index) {
+                return Err(FlownError::WithoutEffect { name: name.clone(), why, settable: settable() });
+            }
+            evaluator.set_index(index, *value);
+        } else {
+            engaged.push((index, *value));
         }
-        evaluator.set_index(index, *value);
     }
-    Ok(evaluator)
+    Ok((evaluator, engaged))
+}
+
+/// Whether a property begins otherwise than the files say, and stays so: gear and the levers of propellers.
+pub(super) fn is_begun(name: &str) -> bool {
+    name == "gear/gear-pos-norm" || name.starts_with("fcs/advance-pos-norm")
+}
+
+/// Whether a property is one that channels read and nobody else reads or makes, where channels run.
+fn is_for_channels(aircraft: &Aircraft, options: &FlownOptions, index: usize) -> bool {
+    let name = aircraft.properties().nth(index).unwrap_or_default();
+    options.flight_control
+        && aircraft.channels_read()[index]
+        && !aircraft.is_computed(index)
+        && !aircraft.is_written(index)
+        && !is_stick(name)
+        && !is_sensed(name)
+        && !is_read(aircraft, options, index)
+}
+
+/// Whether a property is where the command of a surface goes.
+fn is_stick(name: &str) -> bool {
+    STICKS.contains(&name)
+}
+
+/// Whether aerodynamics, engines or masses read a property.
+fn is_read(aircraft: &Aircraft, options: &FlownOptions, index: usize) -> bool {
+    let name = aircraft.properties().nth(index).unwrap_or_default();
+    let mut read = aircraft.aerodynamics_read();
+    read.extend(aircraft.masses_read());
+    if engines_flown(aircraft, options.thrust).is_some() {
+        read.extend(aircraft.engines_read());
+    }
+    read.contains(&name) || aircraft.written_along(index).any(|other| read.contains(&other))
 }
 
 /// Why a property cannot be set, if that is so.
@@ -60,14 +102,17 @@ fn source_of(
     if engines.as_ref().is_some_and(|(throttles, _)| throttles.contains(&index)) {
         return Some("it follows the throttle");
     }
-    let name = aircraft.properties().nth(index).unwrap_or_default();
-    let mut read = aircraft.aerodynamics_read();
-    read.extend(aircraft.masses_read());
-    if engines.is_some() {
-        read.extend(aircraft.engines_read());
+    if is_read(aircraft, options, index) || is_for_channels(aircraft, options, index) {
+        return None;
     }
-    (!read.contains(&name) && !aircraft.written_along(index).any(|other| read.contains(&other)))
-        .then_some("neither aerodynamics nor engines nor masses read it, and flight control does not run")
+    let name = aircraft.properties().nth(index).unwrap_or_default();
+    Some(match options.flight_control {
+        false => "neither aerodynamics nor engines nor masses read it, and flight control does not run",
+        true if is_stick(name) => "it follows the commands of the flight",
+        true if is_sensed(name) => "it follows the motion",
+        true if aircraft.is_written(index) => "a channel writes it",
+        true => "neither aerodynamics nor engines nor masses nor channels read it",
+    })
 }
 
 /// Whether setting a property would move what a surface moves.

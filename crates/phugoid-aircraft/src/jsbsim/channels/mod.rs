@@ -104,6 +104,39 @@ impl Channels {
         feeding
     }
 
+    /// What all channels read themselves, and the functions and tables that they go through.
+    pub(super) fn everything(&self) -> Feeding {
+        let mut feeding = Feeding { properties: self.inputs().collect(), ..Feeding::default() };
+        feeding.functions.extend(self.before.iter().chain(&self.after));
+        for component in self.channels.iter().flat_map(|channel| &channel.components) {
+            match component.kind {
+                Kind::Function(function) => feeding.functions.push(function),
+                Kind::Scheduled { table, .. } => feeding.tables.push(table),
+                _ => {}
+            }
+        }
+        feeding
+    }
+
+    /// Whether a property follows its command through a drive of the files: an actuator, a kinematic or a lag that stands last, or with
+    /// nothing but scales, gains and dead bands behind it.
+    pub(super) fn has_drive(&self, property: usize) -> bool {
+        let mut at = property;
+        // A circle of components has no end.
+        for _ in 0..16 {
+            let mut components = self.channels.iter().flat_map(|channel| &channel.components);
+            let Some(writer) = components.rfind(|component| component.outputs.contains(&at)) else { return false };
+            match &writer.kind {
+                Kind::Actuator { .. } | Kind::Kinematic { .. } | Kind::Lag { .. } => return true,
+                Kind::Scale { .. } | Kind::Gain { .. } | Kind::Scheduled { .. } | Kind::Deadband { .. } => {}
+                _ => return false,
+            }
+            let Some(Parameter::Property(input, _)) = writer.inputs.first() else { return false };
+            at = *input;
+        }
+        false
+    }
+
     /// How the values of a property follow from those of another through a scale or a drive; looked for through lags and
     /// actuators.
     pub(super) fn scaling(&self, property: usize) -> Option<Scaling> {
