@@ -176,6 +176,13 @@ pub fn fly(scenario: &Scenario, settings: &Settings, model: &ModelFile) -> Resul
             scenario.name
         )));
     }
+    if scenario.aircraft.flight_control {
+        return Err(RecoveryError::Unsuitable(format!(
+            "{}: a law of ours moves the surfaces of a flight in closed loop, in place of the flight control system of the aircraft: \
+             leave `flight_control` under [aircraft] out",
+            scenario.name
+        )));
+    }
     if scenario.model_error != Default::default() {
         return Err(RecoveryError::Unsuitable(format!(
             "{}: [model_error] is not flown in closed loop: say what differs under [increments] or [[damage]]",

@@ -119,6 +119,10 @@ impl AnyAircraft {
                 return Err(AircraftError::Option { file: path.into(), option, instead: in_file });
             }
         }
+        if options.flight_control {
+            let why = "this is a model file".to_owned();
+            return Err(FlownError::NoFlightControl { file: path.into(), why }.into());
+        }
         let model = named.map_or_else(|| ModelFile::open(path), ModelFile::named)?;
         let aircraft =
             ModelAircraft::new(&model).map_err(|source| AircraftError::Incomplete { file: path.into(), source })?;

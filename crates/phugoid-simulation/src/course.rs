@@ -1,5 +1,8 @@
 //! A scenario's flight, one sample after another: for who chooses the commands from what was measured.
 
+mod closed;
+
+use phugoid_aircraft::flown::FlownJsbsim;
 use phugoid_flight_dynamics::actuator::{Actuator, Actuators};
 use phugoid_flight_dynamics::aircraft::{Aircraft, Controls, State};
 use phugoid_flight_dynamics::dryden::{Dryden, DrydenError};
@@ -12,6 +15,8 @@ use phugoid_flight_dynamics::trim::Trim;
 use phugoid_flight_dynamics::von_karman::VonKarman;
 use phugoid_flight_dynamics::wind::WindProfile;
 
+use self::closed::ClosedLoop;
+use crate::aircraft::AircraftError;
 use crate::damaged::{Damaged, Effects};
 use crate::flight::FlightError;
 use crate::manoeuvre::Surface;
@@ -85,10 +90,13 @@ pub struct Course<'a, A> {
     effects: Vec<Effects>,
     /// Whether anything but increments changes.
     alters: bool,
+    /// The flight control system of the aircraft, where it moves the surfaces.
+    closed: Option<ClosedLoop<'a>>,
 }
 
 impl<'a, A: Aircraft> Course<'a, A> {
-    /// The flight of a scenario whose drawn values are drawn ([`Scenario::drawn`]), from `trim`.
+    /// The flight of a scenario whose drawn values are drawn ([`Scenario::drawn`]), from `trim`. Who holds it moves the surfaces: the
+    /// flight control system of the aircraft (`flight_control`) runs in [`fly`](crate::flight::fly) alone.
     ///
     /// # Errors
     /// [`FlightError`]: increments or turbulence that cannot be.
@@ -137,10 +145,60 @@ impl<'a, A: Aircraft> Course<'a, A> {
             failed: vec![None; scenario.failure.len()],
             alters: !scenario.failure.is_empty() || effects.iter().any(|effects| *effects != Effects::NONE),
             effects,
+            closed: None,
         };
         course.change_aircraft();
         course.fail();
         Ok(course)
+    }
+
+    /// Lets the flight control system of an aircraft move the surfaces from now, the start of the flight, on; gives what was found
+    /// then, in sentences. It runs as often as samples are taken, or an integer multiple of that.
+    pub(crate) fn close_loop(&mut self, controlled: &'a FlownJsbsim) -> Result<Vec<String>, FlightError> {
+        let rate = self.scenario.sample_rate.si();
+        let steps = closed::steps_per_sample(rate);
+        let step = 1.0 / rate / steps as f64;
+        let controls = self.trim.controls();
+        let surfaces = [controls.elevator, controls.aileron, controls.rudder];
+        // In the trim the air is still, and neither angle changes.
+        let wind = self.wind.at(self.trim.altitude_m);
+        let disturbance = Disturbance { wind, ..Disturbance::default() };
+        let mut sensed = closed::sensed(self.aircraft, &self.trim.state(), &controls, &disturbance);
+        (sensed.flight.alphadot_rad_s, sensed.flight.betadot_rad_s) = (0.0, 0.0);
+        sensed.angular_acceleration_rad_s2 = [0.0; 3];
+        let control = controlled.flight_control(&sensed, surfaces, step).map_err(AircraftError::from)?;
+        let notes = control.notes().to_vec();
+        self.stepper = Stepper::new(self.stepper.state(), controls, step, SUBSTEPS, CommandHold::Sample)
+            .with_actuators(self.scenario.aircraft.actuators)
+            .with_wind(self.wind.clone());
+        self.closed = Some(ClosedLoop::new(control, steps, surfaces));
+        Ok(notes)
+    }
+
+    /// Lets flight control say where the surfaces go under these commands from this instant on, if it has not yet; does nothing
+    /// without it. To be called before [`sample`](Self::sample), which shows the surfaces where it puts them.
+    pub(crate) fn run_control(&mut self, commands: Controls) {
+        let Some(mut closed) = self.closed.take() else { return };
+        if closed.given.is_none() {
+            let at = if self.scenario.aircraft.actuators { self.stepper.positions() } else { closed.surfaces };
+            let [elevator, aileron, rudder] = at;
+            let surfaces = Controls { elevator, aileron, rudder, ..commands };
+            let instant = self.instant();
+            let state = self.stepper.state();
+            let disturbance = Disturbance {
+                wind: self.wind.at(state.altitude),
+                gust: instant.air.velocity,
+                gust_rates: instant.air.rates,
+                increments: instant.increments,
+            };
+            let sensed = if self.alters {
+                closed::sensed(&self.damaged(), &state, &surfaces, &disturbance)
+            } else {
+                closed::sensed(self.flown(), &state, &surfaces, &disturbance)
+            };
+            closed.step(&sensed, commands);
+        }
+        self.closed = Some(closed);
     }
 
     /// Time since the start of the flight, s.
@@ -174,6 +232,15 @@ impl<'a, A: Aircraft> Course<'a, A> {
     /// # Errors
     /// [`SimulationError`]: the motion diverges, or the aircraft leaves its atmosphere; the flight is then over.
     pub fn advance(&mut self, commands: Controls) -> Result<(), SimulationError> {
+        for _ in 0..self.closed.as_ref().map_or(1, |closed| closed.steps) {
+            self.run_control(commands);
+            self.advance_step(commands)?;
+        }
+        Ok(())
+    }
+
+    /// Flies one sample, or with flight control one step of it.
+    fn advance_step(&mut self, commands: Controls) -> Result<(), SimulationError> {
         let told = self.told(commands);
         self.positions = if self.scenario.aircraft.actuators {
             self.stepper.positions()
@@ -190,6 +257,10 @@ impl<'a, A: Aircraft> Course<'a, A> {
             self.stepper.advance(&damaged, told, again, air, increments)?;
         } else {
             self.stepper.advance(aircraft, told, again, air, increments)?;
+        }
+        if let Some(closed) = &mut self.closed {
+            closed.given = None;
+            closed.surfaces = [told.elevator, told.aileron, told.rudder];
         }
         self.change_aircraft();
         self.fail();
@@ -264,7 +335,7 @@ impl<'a, A: Aircraft> Course<'a, A> {
 
     /// What the actuators are told when these are the commands.
     fn told(&self, commands: Controls) -> Controls {
-        let mut told = commands;
+        let mut told = self.closed.as_ref().and_then(|closed| closed.given).unwrap_or(commands);
         let state = self.stepper.state();
         for (failure, position) in self.scenario.failure.iter().zip(&self.failed) {
             let Some(position) = *position else { continue };

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-use phugoid_aircraft::flown::AircraftFile;
+use phugoid_aircraft::flown::{AircraftFile, FlownJsbsim};
 use phugoid_aircraft::transport::moved_to;
 use phugoid_flight_data::quality::QualityReport;
 use phugoid_flight_data::record::{Channel, Quantity, Record};
@@ -47,6 +47,8 @@ pub struct Flight {
     pub data_range: DataRange,
     /// When the aircraft ran out of fuel, s: from then on its engines do not run.
     pub out_of_fuel_s: Option<f64>,
+    /// What was found when the flight control system of the aircraft took over, in sentences; empty without one.
+    pub control_notes: Vec<String>,
 }
 
 /// Pitch attitude of a flight that is looked at, rad.
@@ -123,7 +125,10 @@ impl From<F16DataError> for FlightError {
 /// Flies a scenario.
 ///
 /// Commands are held over a sample; the recorded elevator is the surface, not the command, and without actuators the two
-/// are the same. The measured airspeed and angles of attack and sideslip are those relative to the moving air.
+/// are the same. With the flight control system of the aircraft (`flight_control`), commands are where the surfaces would be without
+/// feedback ([`FlightControl`](phugoid_aircraft::flown::FlightControl)), and the recorded surfaces where the channels put them: they
+/// run as often as samples are taken, and where that is less than 100 times a second, the least whole number of times within a sample
+/// that makes it so. The measured airspeed and angles of attack and sideslip are those relative to the moving air.
 ///
 /// # Errors
 /// [`FlightError`]: no trim in this condition, a recorded input that cannot be read, a motion that diverges.
@@ -142,7 +147,15 @@ pub fn fly_with_progress(scenario: &Scenario, progress: &dyn Fn(f64)) -> Result<
         (AnyAircraft::BuiltIn(BuiltInAircraft::F16(aircraft)), None) => {
             fly_aircraft(aircraft.as_ref(), scenario, progress)
         }
-        (aircraft, later) => fly_changed(aircraft, later.as_ref().map(LaterAircraft::change), scenario, progress),
+        (aircraft, later) => {
+            let controlled = match aircraft {
+                AnyAircraft::File(AircraftFile::Jsbsim(aircraft)) if scenario.aircraft.flight_control => {
+                    Some(aircraft.as_ref())
+                }
+                _ => None,
+            };
+            fly_changed(aircraft, later.as_ref().map(LaterAircraft::change), controlled, scenario, progress)
+        }
     }
 }
 
@@ -203,18 +216,24 @@ pub fn later_aircraft(scenario: &Scenario, aircraft: &AnyAircraft) -> Result<Opt
 /// ```
 ///
 /// # Errors
-/// As [`fly`].
+/// As [`fly`]; a scenario that asks for the flight control system of its aircraft (`flight_control`), which another has not.
 pub fn fly_aircraft<A: Aircraft>(
     known: &A,
     scenario: &Scenario,
     progress: &dyn Fn(f64),
 ) -> Result<Flight, FlightError> {
-    fly_changed(known, None, scenario, progress)
+    if scenario.aircraft.flight_control {
+        let message =
+            "`aircraft.flight_control` is for the aircraft that the scenario names: fly that one, or leave it out";
+        return Err(ScenarioError::OutOfRange { place: scenario.name.clone(), message: message.to_owned() }.into());
+    }
+    fly_changed(known, None, None, scenario, progress)
 }
 
 fn fly_changed<A: Aircraft>(
     known: &A,
     change: Option<Change<'_, A>>,
+    controlled: Option<&FlownJsbsim>,
     scenario: &Scenario,
     progress: &dyn Fn(f64),
 ) -> Result<Flight, FlightError> {
@@ -233,10 +252,10 @@ fn fly_changed<A: Aircraft>(
     let changed = change.map(|change| change.aircraft);
     let later = change.map(|change| Misjudged::new(change.aircraft, error, trim.alpha_rad));
     let change = change.zip(later.as_ref());
-    let trajectory = match scenario.aircraft.thrust {
+    let (trajectory, control_notes) = match scenario.aircraft.thrust {
         Thrust::Engine => {
             let change = change.map(|(change, later)| change.with(later));
-            trajectory(&scenario, &aircraft, change, &trim, progress)?
+            trajectory(&scenario, &aircraft, change, controlled, &trim, progress)?
         }
         Thrust::Constant => {
             let frozen = ConstantThrust::at(&aircraft, trim.power_percent, trim.altitude_m, trim.mach);
@@ -244,7 +263,7 @@ fn fly_changed<A: Aircraft>(
                 (change, ConstantThrust::at(later, trim.power_percent, trim.altitude_m, trim.mach))
             });
             let change = later.as_ref().map(|(change, later)| change.with(later));
-            trajectory(&scenario, &frozen, change, &trim, progress)?
+            trajectory(&scenario, &frozen, change, controlled, &trim, progress)?
         }
     };
     let effects = scenario.complete_effects();
@@ -275,6 +294,7 @@ fn fly_changed<A: Aircraft>(
         scenario,
         data_range,
         out_of_fuel_s: out_of_fuel.map(|sample| sample.time),
+        control_notes,
     };
     flight.true_parameters = flight.true_parameters_at(f64::INFINITY);
     Ok(flight)
@@ -302,14 +322,16 @@ pub fn sense(truth: &Record, scenario: &Scenario, seed: u64) -> Result<Record, F
     Ok(measure(truth, &sensors, &named, &scenario.model_error, seed, scenario.name.clone())?)
 }
 
-/// The motion from the trim, through commands, gusts and changing increments.
+/// The motion from the trim, through commands, gusts and changing increments, with what was found when flight control of an
+/// aircraft took over.
 fn trajectory<A: Aircraft>(
     scenario: &Scenario,
     aircraft: &A,
     change: Option<Change<'_, A>>,
+    controlled: Option<&FlownJsbsim>,
     trim: &Trim,
     progress: &dyn Fn(f64),
-) -> Result<Trajectory, FlightError> {
+) -> Result<(Trajectory, Vec<String>), FlightError> {
     let trim_controls = trim.controls();
     let (count, deflections) = (scenario.samples(), scenario.deflections()?);
     let commands = |k: usize| {
@@ -324,15 +346,20 @@ fn trajectory<A: Aircraft>(
         }
     };
     let mut course = Course::new(scenario, aircraft, change, trim)?;
+    let mut notes = Vec::new();
+    if let Some(controlled) = controlled {
+        notes = course.close_loop(controlled)?;
+    }
     let mut samples = Vec::with_capacity(count);
     for k in 0..count {
         let commands = commands(k);
+        course.run_control(commands);
         samples.push(course.sample(commands));
         if k + 1 < count {
             course.advance(commands)?;
         }
     }
-    Ok(Trajectory { samples })
+    Ok((Trajectory { samples }, notes))
 }
 
 /// The trajectory as a record of canonical channels.

@@ -38,7 +38,8 @@ struct Document<'a> {
     truth_csv: &'a Path,
     figures: Vec<PathBuf>,
     warnings: Vec<String>,
-    /// What is left out of the file of the aircraft and what is assumed; empty for a built-in one.
+    /// What is left out of the file of the aircraft and what is assumed, and what its flight control found when it took over; empty for
+    /// a built-in one.
     notes: Vec<String>,
 }
 
@@ -73,6 +74,12 @@ pub(crate) fn run(arguments: &arguments::Simulate) -> Result<(), Failure> {
         None => Vec::new(),
     };
     drop(writing);
+    let mut notes = scenario.notes().map_err(Failure::input)?;
+    if !flight.control_notes.is_empty() {
+        // Those of the aircraft were said when it was opened.
+        let _ = write!(io::stderr(), "{}", notes_text(&flight.control_notes));
+        notes.extend(flight.control_notes.iter().cloned());
+    }
     let document = Document {
         scenario: &scenario.name,
         seed: scenario.seed,
@@ -86,7 +93,7 @@ pub(crate) fn run(arguments: &arguments::Simulate) -> Result<(), Failure> {
         truth_csv: &truth,
         figures,
         warnings: beyond_the_tables(&flight),
-        notes: scenario.notes().map_err(Failure::input)?,
+        notes,
     };
     if arguments.json { print(&json(&document)?) } else { print(&text(&document, &flight)) }
 }

@@ -51,6 +51,10 @@ pub struct AircraftSettings {
     /// given. `phugoid fly` asks of the model what is wanted of the full size.
     #[serde(default)]
     pub scale: Option<f64>,
+    /// Whether the flight control system in the files of an aircraft of JSBSim moves the surfaces, and the manoeuvres the stick; without
+    /// it, the manoeuvres move the surfaces. `properties` may then set what its channels read, such as the switches of an autopilot.
+    #[serde(default)]
+    pub flight_control: bool,
     /// Whether surfaces follow their commands through actuators (lag, rate and position limits) or at once.
     #[serde(default)]
     pub actuators: bool,
@@ -127,7 +131,14 @@ impl AircraftSettings {
         let properties = self.properties.iter().map(|(name, value)| (name.clone(), *value)).collect();
         let with = self.with.iter().map(|file| folder.join(file)).collect();
         let damage = self.damaged.filter(|_| self.damaged_at.is_none()).map_or(Damage::None, |word| word.0);
-        let options = FlownOptions { thrust, properties, with, damage, ..FlownOptions::default() };
+        let options = FlownOptions {
+            thrust,
+            properties,
+            with,
+            damage,
+            flight_control: self.flight_control,
+            ..FlownOptions::default()
+        };
         let beside = folder.join(file);
         // A name of a built-in model stands in no folder.
         let found = if beside.exists() || file.components().count() > 1 { &beside } else { file };
@@ -161,6 +172,7 @@ impl AircraftSettings {
             ("largest_thrust", self.largest_thrust.is_some()),
             ("damaged", self.damaged.is_some()),
             ("with", !self.with.is_empty()),
+            ("flight_control", self.flight_control),
         ];
         let (foreign, of) = match self.file {
             Some(_) => (f16_only.as_slice(), "type = \"f16\""),
