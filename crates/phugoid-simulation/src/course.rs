@@ -1,7 +1,5 @@
 //! A scenario's flight, one sample after another: for who chooses the commands from what was measured.
 
-mod closed;
-
 use phugoid_aircraft::flown::FlownJsbsim;
 use phugoid_flight_dynamics::actuator::{Actuator, Actuators};
 use phugoid_flight_dynamics::aircraft::{Aircraft, Controls, State};
@@ -15,8 +13,8 @@ use phugoid_flight_dynamics::trim::Trim;
 use phugoid_flight_dynamics::von_karman::VonKarman;
 use phugoid_flight_dynamics::wind::WindProfile;
 
-use self::closed::ClosedLoop;
 use crate::aircraft::AircraftError;
+use crate::closed_loop::{self, ClosedLoop};
 use crate::damaged::{Damaged, Effects};
 use crate::flight::FlightError;
 use crate::manoeuvre::Surface;
@@ -156,14 +154,14 @@ impl<'a, A: Aircraft> Course<'a, A> {
     /// then, in sentences. It runs as often as samples are taken, or an integer multiple of that.
     pub(crate) fn close_loop(&mut self, controlled: &'a FlownJsbsim) -> Result<Vec<String>, FlightError> {
         let rate = self.scenario.sample_rate.si();
-        let steps = closed::steps_per_sample(rate);
+        let steps = closed_loop::steps_per_sample(rate);
         let step = 1.0 / rate / steps as f64;
         let controls = self.trim.controls();
         let surfaces = [controls.elevator, controls.aileron, controls.rudder];
         // In the trim the air is still, and neither angle changes.
         let wind = self.wind.at(self.trim.altitude_m);
         let disturbance = Disturbance { wind, ..Disturbance::default() };
-        let mut sensed = closed::sensed(self.aircraft, &self.trim.state(), &controls, &disturbance);
+        let mut sensed = closed_loop::sensed(self.aircraft, &self.trim.state(), &controls, &disturbance);
         (sensed.flight.alphadot_rad_s, sensed.flight.betadot_rad_s) = (0.0, 0.0);
         sensed.angular_acceleration_rad_s2 = [0.0; 3];
         let control = controlled.flight_control(&sensed, surfaces, step).map_err(AircraftError::from)?;
@@ -192,9 +190,9 @@ impl<'a, A: Aircraft> Course<'a, A> {
                 increments: instant.increments,
             };
             let sensed = if self.alters {
-                closed::sensed(&self.damaged(), &state, &surfaces, &disturbance)
+                closed_loop::sensed(&self.damaged(), &state, &surfaces, &disturbance)
             } else {
-                closed::sensed(self.flown(), &state, &surfaces, &disturbance)
+                closed_loop::sensed(self.flown(), &state, &surfaces, &disturbance)
             };
             closed.step(&sensed, commands);
         }

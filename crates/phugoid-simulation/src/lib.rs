@@ -2,6 +2,7 @@
 #![cfg_attr(not(test), deny(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
 pub mod aircraft;
+mod closed_loop;
 pub mod constant_thrust;
 pub mod course;
 pub mod damaged;

@@ -6,7 +6,7 @@ mod drive;
 mod notes;
 mod start;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use phugoid_flight_dynamics::actuator::{Actuator, Actuators};
 use phugoid_flight_dynamics::aircraft::{
@@ -111,7 +111,7 @@ impl FlownJsbsim {
         let masses = evaluator.mass_properties();
         let mass = MassProperties::from_tensor(masses.mass_kg, masses.inertia_kg_m2, 0.0).ok_or_else(|| {
             let [[xx, ..], [_, yy, _], [.., zz]] = masses.inertia_kg_m2;
-            FlownError::Mass { file: file_of(&aircraft), mass_kg: masses.mass_kg, inertia_kg_m2: [xx, yy, zz] }
+            FlownError::Mass { file: aircraft.own_file(), mass_kg: masses.mass_kg, inertia_kg_m2: [xx, yy, zz] }
         })?;
         let geometry = geometry(&aircraft, masses.centre_of_gravity_m[0])?;
         notes.push("The reference point of the aerodynamics is taken to be at a quarter of the chord.".into());
@@ -179,16 +179,11 @@ impl FlownJsbsim {
         step_s: f64,
     ) -> Result<FlightControl<'_>, FlownError> {
         let control = self.control.as_deref().ok_or_else(|| FlownError::NoFlightControl {
-            file: file_of(&self.aircraft),
+            file: self.aircraft.own_file(),
             why: "this one was opened without it".to_owned(),
         })?;
         FlightControl::new(control, sensed, trim_rad, step_s)
     }
-}
-
-/// The file of an aircraft, for messages.
-fn file_of(aircraft: &Aircraft) -> PathBuf {
-    aircraft.files().first().cloned().unwrap_or_else(|| PathBuf::from("text"))
 }
 
 fn geometry(aircraft: &Aircraft, centre_m: f64) -> Result<Geometry, FlownError> {
@@ -199,7 +194,7 @@ fn geometry(aircraft: &Aircraft, centre_m: f64) -> Result<Geometry, FlownError> 
         ("chord of the wing, m,", sizes.chord_m, "chord"),
     ] {
         if !(value > 0.0 && value.is_finite()) {
-            return Err(FlownError::Size { file: file_of(aircraft), what, value, element });
+            return Err(FlownError::Size { file: aircraft.own_file(), what, value, element });
         }
     }
     let aft = centre_m - sizes.reference_point_m[0];

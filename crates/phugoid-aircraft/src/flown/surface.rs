@@ -20,7 +20,7 @@ const DEGREE: f64 = std::f64::consts::PI / 180.0;
 
 /// One surface: the properties that follow it, and its actuator.
 #[derive(Clone, Debug)]
-pub(super) struct Surface {
+pub(crate) struct Surface {
     targets: Vec<Follower>,
     pub(super) actuator: Actuator,
     /// The lowest and the highest deflection in the sign of the equations of motion, rad.

@@ -182,6 +182,11 @@ impl Aircraft {
         &self.files
     }
 
+    /// Its own file, for messages; `text` where it was read from a text.
+    pub(crate) fn own_file(&self) -> PathBuf {
+        self.files.first().cloned().unwrap_or_else(|| PathBuf::from("text"))
+    }
+
     /// What the files ask for and this crate leaves out, in the order in which it was met.
     pub fn omitted(&self) -> &[Omission] {
         &self.omitted

@@ -13,6 +13,7 @@ mod daveml_standard;
 mod daveml_trim;
 mod daveml_write;
 mod flown;
+mod flown_closed;
 mod jsbsim;
 mod jsbsim_flown;
 mod nesc;

@@ -1,6 +1,6 @@
 //! An aircraft of JSBSim as it begins.
 
-use super::control::{STICKS, is_sensed};
+use super::control::sensed::{STICKS, is_sensed};
 use super::drive::engines_flown;
 use crate::flown::error::FlownError;
 use crate::flown::options::FlownOptions;
@@ -12,10 +12,10 @@ const MOST_NAMED: usize = 24;
 /// Metres in a foot.
 const FOOT: f64 = 0.3048;
 
-/// Properties that only the channels read and that options set, with their values: they are set when channels take over.
-pub(super) type Engaged = Vec<(usize, f64)>;
+/// Properties by their indices, with values.
+pub(super) type Values = Vec<(usize, f64)>;
 
-/// An evaluator with the properties of the options, and those that are for channels alone.
+/// An evaluator with the properties of the options, and those that only channels read, which are set when these take over.
 ///
 /// # Errors
 /// [`FlownError`]: a property that is not there, that has another source, or that nothing reads.
@@ -23,9 +23,9 @@ pub(super) fn started<'a>(
     aircraft: &'a Aircraft,
     surfaces: &[Surface; 3],
     options: &FlownOptions,
-) -> Result<(Evaluator<'a>, Engaged), FlownError> {
+) -> Result<(Evaluator<'a>, Values), FlownError> {
     let mut evaluator = Evaluator::new(aircraft);
-    let mut engaged = Engaged::new();
+    let mut engaged = Values::new();
     evaluator.set("gear/gear-pos-norm", 0.0);
     evaluator.set("accelerations/gravity-ft_sec2", options.gravity / FOOT);
     for engine in 0..aircraft.engines().len() {

@@ -1,9 +1,9 @@
 //! Flight control that has taken over an aircraft.
 
+use super::description::Control;
 use super::rest::{Restless, come_to_rest};
-use super::{Control, Sensed};
+use super::sensed::Sensed;
 use crate::flown::error::FlownError;
-use crate::flown::jsbsim::file_of;
 use crate::flown::surface::NAMES;
 use crate::jsbsim::Evaluator;
 
@@ -67,12 +67,7 @@ impl<'a> FlightControl<'a> {
     /// # Errors
     /// [`FlownError::Restless`] where the channels do not come to rest in the trim, and [`FlownError::Number`] for a step that is
     /// not positive.
-    pub(in crate::flown::jsbsim) fn new(
-        control: &'a Control,
-        sensed: &Sensed,
-        trim: [f64; 3],
-        step_s: f64,
-    ) -> Result<Self, FlownError> {
+    pub(crate) fn new(control: &'a Control, sensed: &Sensed, trim: [f64; 3], step_s: f64) -> Result<Self, FlownError> {
         if !(step_s > 0.0 && step_s.is_finite()) {
             return Err(FlownError::Number {
                 what: "the step of flight control, s,",
@@ -81,7 +76,7 @@ impl<'a> FlightControl<'a> {
             });
         }
         let restless = |restless: Restless| FlownError::Restless {
-            file: file_of(&control.aircraft),
+            file: control.aircraft.own_file(),
             surface: restless.surface,
             after_s: LONGEST_S,
             rate_deg_s: restless.rate_rad_s.to_degrees(),
@@ -165,14 +160,7 @@ impl<'a> FlightControl<'a> {
             Some(rests) => nearest(rests, asked - offset) - nearest(rests, trim - offset),
             None => self.control.share(surface, asked - trim),
         };
-        let stick = lever.trim + moved;
-        if stick < -1.0 {
-            -1.0
-        } else if stick > 1.0 {
-            1.0
-        } else {
-            stick
-        }
+        (lever.trim + moved).clamp(-1.0, 1.0)
     }
 }
 
@@ -215,7 +203,7 @@ fn position_of(rests: &[[f64; 2]], angle: f64) -> Option<f64> {
         let [[low, from], [high, to]] = [pair[0], pair[1]];
         let share = if from == to { 0.0 } else { (angle - from) / (to - from) };
         let within = if from == to { angle == from } else { (0.0..=1.0).contains(&share) };
-        within.then(|| low + share * (high - low))
+        within.then_some(low + share * (high - low))
     });
     between.min_by(|a, b| a.abs().total_cmp(&b.abs()))
 }

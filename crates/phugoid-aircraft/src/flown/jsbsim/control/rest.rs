@@ -1,6 +1,6 @@
 //! Channels that come to rest while the flight stands still.
 
-use super::Control;
+use super::description::Control;
 use crate::flown::surface::NAMES;
 use crate::jsbsim::Evaluator;
 

@@ -2,6 +2,8 @@
 
 use crate::jsbsim::{Aircraft, Evaluator, FlightCondition};
 
+/// The properties of the stick and the pedals, in the order of the surfaces, from -1 to 1.
+pub(crate) const STICKS: [&str; 3] = ["fcs/elevator-cmd-norm", "fcs/aileron-cmd-norm", "fcs/rudder-cmd-norm"];
 /// Metres in a foot, and in an inch.
 const FOOT: f64 = 0.3048;
 const INCH: f64 = 0.0254;
@@ -76,7 +78,7 @@ const QUANTITIES: [(&str, Quantity); 33] = [
 ];
 
 /// Whether a property is one of these.
-pub(in crate::flown::jsbsim) fn is_sensed(name: &str) -> bool {
+pub(crate) fn is_sensed(name: &str) -> bool {
     QUANTITIES.iter().any(|(sensed, _)| *sensed == name)
 }
 

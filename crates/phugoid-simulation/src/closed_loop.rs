@@ -9,23 +9,23 @@ use phugoid_flight_dynamics::motion::{Disturbance, motion};
 const LEAST_RATE_HZ: f64 = 100.0;
 
 /// Flight control in a flight.
-pub(super) struct ClosedLoop<'a> {
+pub(crate) struct ClosedLoop<'a> {
     control: FlightControl<'a>,
     /// How often it runs in a sample.
-    pub(super) steps: usize,
+    pub(crate) steps: usize,
     /// What it gave for this instant; none where it did not run yet.
-    pub(super) given: Option<Controls>,
+    pub(crate) given: Option<Controls>,
     /// Where the surfaces were in the step before, rad, failures included; without actuators nobody else knows.
-    pub(super) surfaces: [f64; 3],
+    pub(crate) surfaces: [f64; 3],
 }
 
 impl<'a> ClosedLoop<'a> {
-    pub(super) fn new(control: FlightControl<'a>, steps: usize, surfaces: [f64; 3]) -> Self {
+    pub(crate) fn new(control: FlightControl<'a>, steps: usize, surfaces: [f64; 3]) -> Self {
         Self { control, steps, given: None, surfaces }
     }
 
     /// Runs it once.
-    pub(super) fn step(&mut self, sensed: &Sensed, commands: Controls) {
+    pub(crate) fn step(&mut self, sensed: &Sensed, commands: Controls) {
         let asked = [commands.elevator, commands.aileron, commands.rudder];
         let [elevator, aileron, rudder] = self.control.step(sensed, asked);
         self.given = Some(Controls { elevator, aileron, rudder, ..commands });
@@ -33,13 +33,13 @@ impl<'a> ClosedLoop<'a> {
 }
 
 /// How often channels run in a sample at this rate, Hz.
-pub(super) fn steps_per_sample(sample_rate: f64) -> usize {
+pub(crate) fn steps_per_sample(sample_rate: f64) -> usize {
     // A rate of 100 Hz may have come out of a conversion.
     (LEAST_RATE_HZ / sample_rate - 1e-9).ceil().max(1.0) as usize
 }
 
 /// What flight control senses of the motion of an aircraft whose surfaces are here.
-pub(super) fn sensed<A: Aircraft>(
+pub(crate) fn sensed<A: Aircraft>(
     aircraft: &A,
     state: &State,
     controls: &Controls,
