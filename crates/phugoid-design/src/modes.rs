@@ -22,7 +22,8 @@ pub struct ModeFrequencies {
 }
 
 impl ModeFrequencies {
-    /// From the linear model about the trim of a scenario, as `phugoid linearize` gives it.
+    /// From the linear model about the trim of a scenario, as `phugoid linearize` gives it: that of the aircraft by itself, also where
+    /// the scenario lets the flight control system of its files run.
     ///
     /// ```
     /// use phugoid_design::modes::ModeFrequencies;

@@ -300,7 +300,8 @@ fn fly_changed<A: Aircraft>(
     Ok(flight)
 }
 
-/// The aircraft of a scenario as it is known, without the scenario's error of the model, and its trim.
+/// The aircraft of a scenario as it is known, without the scenario's error of the model and without its flight control, and its
+/// trim.
 ///
 /// # Errors
 /// [`FlightError`]: the aircraft's data, no trim in this condition.

@@ -210,7 +210,7 @@ fn a_flight_begins_at_rest_whatever_the_channels_remember() {
             assert!(before(&flight, name) < 3e-8, "{name}: {:e}", before(&flight, name));
         }
         assert!((column(&flight, "elevator")[0] - flight.trim.elevator_rad).abs() < 1e-7);
-        assert!(largest(&flight, "q") > 0.05);
+        assert!(largest(&flight, "q") > 0.02);
     }
     let notes = scenario("rest-notes", &trainer(&filters), "flight_control = true", "").unwrap().notes().unwrap();
     let driven =

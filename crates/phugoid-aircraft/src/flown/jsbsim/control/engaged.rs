@@ -34,9 +34,9 @@ const LEAST_TRAVEL: f64 = 1e-4;
 /// an integrator keeps), or does not move, the position is the share of the surface's travel: the angle from trim over that of the
 /// stop on its side. Beyond its ends the stick does not go.
 ///
-/// What the channels give at rest in the trim and the trim angle does not equal is added to all that they give later, so that a flight in
-/// trim begins at rest. Properties of the options that channels alone read are set after that, with the time of the channels at
-/// 0: an autopilot is switched on when the flight begins.
+/// All that the channels give later is shifted by the difference between the angle of trim and what they give at rest there, so that a
+/// flight in trim begins at rest. Properties of the options that channels alone read are set after that, with the time of the
+/// channels at 0: an autopilot is switched on when the flight begins.
 ///
 /// A surface that no channel writes is where it is asked to be. Of what else channels write, the aerodynamics feel nothing. It is `Send`.
 #[derive(Clone, Debug)]

@@ -197,3 +197,67 @@ impl<'a> Known<'a> {
 fn cross([a, b, c]: [f64; 3], [x, y, z]: [f64; 3]) -> [f64; 3] {
     [b * z - c * y, c * x - a * z, a * y - b * x]
 }
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::FRAC_PI_2;
+
+    use phugoid_flight_dynamics::atmosphere::Atmosphere;
+
+    use super::*;
+
+    fn sensed(attitude_rad: [f64; 3], velocity_m_s: [f64; 3]) -> Sensed {
+        let flight =
+            FlightCondition { attitude_rad, ..FlightCondition::axial(100.0, 1000.0, &Atmosphere::Standard.at(1000.0)) };
+        Sensed {
+            flight,
+            velocity_m_s,
+            specific_force_m_s2: [0.0, 0.0, -9.806_65],
+            angular_acceleration_rad_s2: [0.0; 3],
+            lift_over_weight: 1.0,
+            throttle: 0.5,
+        }
+    }
+
+    fn value(sensed: &Sensed, arm_m: [f64; 3], name: &str) -> f64 {
+        let quantity = QUANTITIES.iter().find(|(found, _)| *found == name).unwrap().1;
+        Known::new(sensed, arm_m, 9.806_65).value(quantity)
+    }
+
+    #[test]
+    fn velocities_over_the_ground_are_turned_into_the_body() {
+        // Eastward on a heading of east; upward along the nose; falling with the right wing down.
+        for (attitude, velocity, name) in [
+            ([0.0, 0.0, FRAC_PI_2], [0.0, 100.0, 0.0], "velocities/u-fps"),
+            ([0.0, 0.2, 0.0], [100.0 * 0.2_f64.cos(), 0.0, -100.0 * 0.2_f64.sin()], "velocities/u-fps"),
+            ([FRAC_PI_2, 0.0, 0.0], [0.0, 0.0, 100.0], "velocities/v-fps"),
+            ([0.0, -FRAC_PI_2, 0.0], [0.0, 0.0, 100.0], "velocities/u-fps"),
+        ] {
+            let now = sensed(attitude, velocity);
+            for other in ["velocities/u-fps", "velocities/v-fps", "velocities/w-fps"] {
+                let expected = if other == name { 100.0 / FOOT } else { 0.0 };
+                assert!((value(&now, [0.0; 3], other) - expected).abs() < 1e-12, "{attitude:?} {other}");
+            }
+        }
+        let climbing = sensed([0.0, 0.2, 0.0], [3.0, 4.0, -5.0]);
+        assert!((value(&climbing, [0.0; 3], "flight-path/gamma-deg") - 45.0).abs() < 1e-12);
+        assert!((value(&climbing, [0.0; 3], "velocities/h-dot-fps") - 5.0 / FOOT).abs() < 1e-12);
+    }
+
+    #[test]
+    fn load_factors_have_the_signs_of_jsbsim() {
+        let mut now = sensed([0.0; 3], [100.0, 0.0, 0.0]);
+        assert_eq!(value(&now, [0.0; 3], "accelerations/Nz"), 1.0);
+        assert_eq!(value(&now, [0.0; 3], "accelerations/n-pilot-z-norm"), -1.0);
+        assert!(value(&now, [0.0; 3], "accelerations/wdot-ft_sec2").abs() < 1e-12);
+        // Pitching up at 2 rad/s2, 3 m ahead of the centre of gravity: 6 m/s2 upward more, and at 0.5 rad/s 0.75 m/s2 backward.
+        now.angular_acceleration_rad_s2 = [0.0, 2.0, 0.0];
+        now.flight.rates_rad_s = [0.0, 0.5, 0.0];
+        assert!(
+            (value(&now, [3.0, 0.0, 0.0], "accelerations/a-pilot-z-ft_sec2") + (9.806_65 + 6.0) / FOOT).abs() < 1e-12
+        );
+        assert!((value(&now, [3.0, 0.0, 0.0], "accelerations/a-pilot-x-ft_sec2") + 0.75 / FOOT).abs() < 1e-12);
+        // The nose turns from the velocity: 100 m/s times 0.5 rad/s.
+        assert!((value(&now, [0.0; 3], "accelerations/wdot-ft_sec2") - 50.0 / FOOT).abs() < 1e-11);
+    }
+}
