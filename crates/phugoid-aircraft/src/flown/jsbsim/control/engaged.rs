@@ -223,6 +223,12 @@ mod tests {
     use super::*;
 
     #[test]
+    fn it_goes_from_thread_to_thread() {
+        fn goes<T: Send>() {}
+        goes::<FlightControl<'_>>();
+    }
+
+    #[test]
     fn an_angle_has_the_position_that_holds_it_or_the_nearer_end() {
         // A surface that goes the other way, and does not move at its ends.
         let rests = [[-1.0, 0.3], [-0.5, 0.3], [0.0, 0.1], [1.0, -0.2]];
