@@ -4,6 +4,7 @@ use phugoid_aircraft::flown::{FlightControl, Sensed};
 use phugoid_aircraft::jsbsim::FlightCondition;
 use phugoid_flight_dynamics::aircraft::{Aircraft, Controls, State};
 use phugoid_flight_dynamics::motion::{Disturbance, motion};
+use phugoid_flight_dynamics::standard_atmosphere::geopotential_altitude;
 
 /// Least number of times that channels run in a second: JSBSim runs them 120 times unless it is told otherwise.
 const LEAST_RATE_HZ: f64 = 100.0;
@@ -46,7 +47,10 @@ pub(crate) fn sensed<A: Aircraft>(
     disturbance: &Disturbance,
 ) -> Sensed {
     let now = motion(aircraft, state, controls, disturbance);
-    let air = aircraft.atmosphere().at(state.altitude);
+    let earth = disturbance.earth.as_ref();
+    let height = earth.map_or(state.altitude, |_| geopotential_altitude(state.altitude));
+    let air = aircraft.atmosphere().at(height);
+    let [north, east] = earth.map_or([1.0; 2], |earth| earth.map);
     let (sine, cosine) = now.air.alpha.sin_cos();
     let lift = now.air.dynamic_pressure
         * aircraft.geometry().wing_area
@@ -58,7 +62,7 @@ pub(crate) fn sensed<A: Aircraft>(
             beta_rad: now.air.beta,
             alphadot_rad_s: now.rates.alpha,
             betadot_rad_s: now.rates.beta,
-            rates_rad_s: [state.p, state.q, state.r],
+            rates_rad_s: now.turning,
             attitude_rad: [state.phi, state.theta, state.psi],
             height_m: state.altitude,
             height_above_ground_m: state.altitude,
@@ -67,7 +71,7 @@ pub(crate) fn sensed<A: Aircraft>(
             temperature_k: air.temperature,
             sound_speed_m_s: air.speed_of_sound,
         },
-        velocity_m_s: [now.rates.north, now.rates.east, -now.rates.altitude],
+        velocity_m_s: [now.rates.north / north, now.rates.east / east, -now.rates.altitude],
         specific_force_m_s2: now.specific_force,
         angular_acceleration_rad_s2: [now.rates.p, now.rates.q, now.rates.r],
         lift_over_weight: lift / (aircraft.mass_properties().mass() * aircraft.gravity()),

@@ -4,6 +4,7 @@ use phugoid_aircraft::flown::FlownJsbsim;
 use phugoid_flight_dynamics::actuator::{Actuator, Actuators};
 use phugoid_flight_dynamics::aircraft::{Aircraft, Controls, State};
 use phugoid_flight_dynamics::dryden::{Dryden, DrydenError};
+use phugoid_flight_dynamics::earth::LocalEarth;
 use phugoid_flight_dynamics::gust::{AirMotion, Gust, total_velocity};
 use phugoid_flight_dynamics::increments::{IncrementChange, IncrementSchedule, Increments};
 use phugoid_flight_dynamics::linearize::{LinearModel, linearize};
@@ -114,14 +115,7 @@ impl<'a, A: Aircraft> Course<'a, A> {
         let wind = scenario.wind.as_ref().map_or_else(|| Ok(WindProfile::default()), Wind::profile);
         let wind = wind.map_err(|message| ScenarioError::OutOfRange { place: scenario.name.clone(), message })?;
         let controls = trim.controls();
-        let stepper = Stepper::new(state_of(scenario, trim), controls, sample_time, SUBSTEPS, CommandHold::Sample)
-            .with_actuators(scenario.aircraft.actuators)
-            .with_wind(wind.clone())
-            .over(scenario.earth_below());
-        let stepper = match scenario.attitude {
-            Attitude::Euler => stepper,
-            Attitude::Quaternion => stepper.with_quaternion(),
-        };
+        let stepper = stepper(scenario, state_of(scenario, trim), controls, sample_time, &wind);
         let gust = |g: &crate::scenario::GustSettings| Gust {
             axis: g.axis,
             amplitude: g.amplitude.si(),
@@ -159,16 +153,15 @@ impl<'a, A: Aircraft> Course<'a, A> {
         let controls = self.trim.controls();
         let surfaces = [controls.elevator, controls.aileron, controls.rudder];
         // In the trim the air is still, and neither angle changes.
-        let wind = self.wind.at(self.trim.altitude_m);
-        let disturbance = Disturbance { wind, ..Disturbance::default() };
-        let mut sensed = closed_loop::sensed(self.aircraft, &self.trim.state(), &controls, &disturbance);
+        let state = self.stepper.state();
+        let (wind, earth) = (self.wind.at(state.altitude), self.earth_under(&state));
+        let disturbance = Disturbance { wind, earth, ..Disturbance::default() };
+        let mut sensed = closed_loop::sensed(self.aircraft, &state, &controls, &disturbance);
         (sensed.flight.alphadot_rad_s, sensed.flight.betadot_rad_s) = (0.0, 0.0);
         sensed.angular_acceleration_rad_s2 = [0.0; 3];
         let control = controlled.flight_control(&sensed, surfaces, step).map_err(AircraftError::from)?;
         let notes = control.notes().to_vec();
-        self.stepper = Stepper::new(self.stepper.state(), controls, step, SUBSTEPS, CommandHold::Sample)
-            .with_actuators(self.scenario.aircraft.actuators)
-            .with_wind(self.wind.clone());
+        self.stepper = stepper(self.scenario, state, controls, step, &self.wind);
         self.closed = Some(ClosedLoop::new(control, steps, surfaces));
         Ok(notes)
     }
@@ -188,6 +181,7 @@ impl<'a, A: Aircraft> Course<'a, A> {
                 gust: instant.air.velocity,
                 gust_rates: instant.air.rates,
                 increments: instant.increments,
+                earth: self.earth_under(&state),
             };
             let sensed = if self.alters {
                 closed_loop::sensed(&self.damaged(), &state, &surfaces, &disturbance)
@@ -197,6 +191,11 @@ impl<'a, A: Aircraft> Course<'a, A> {
             closed.step(&sensed, commands);
         }
         self.closed = Some(closed);
+    }
+
+    /// The planet under the aircraft; none over a plane.
+    fn earth_under(&self, state: &State) -> Option<LocalEarth> {
+        self.scenario.earth_below().map(|earth| earth.under(state))
     }
 
     /// Time since the start of the flight, s.
@@ -367,6 +366,18 @@ impl<'a, A: Aircraft> Course<'a, A> {
             let state = (change.moved)(&self.stepper.state());
             self.stepper.set_state(&state);
         }
+    }
+}
+
+/// A flight of a scenario from a state, in steps (s) of which the air is asked at every stage.
+fn stepper(scenario: &Scenario, state: State, surfaces: Controls, step: f64, wind: &WindProfile) -> Stepper {
+    let stepper = Stepper::new(state, surfaces, step, SUBSTEPS, CommandHold::Sample)
+        .with_actuators(scenario.aircraft.actuators)
+        .with_wind(wind.clone())
+        .over(scenario.earth_below());
+    match scenario.attitude {
+        Attitude::Euler => stepper,
+        Attitude::Quaternion => stepper.with_quaternion(),
     }
 }
 
