@@ -10,9 +10,11 @@ mod error;
 mod jsbsim;
 mod options;
 mod pool;
+mod scaled;
 mod surface;
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use phugoid_flight_dynamics::aircraft::Aircraft as _;
 use phugoid_flight_dynamics::aircraft_by_variant;
@@ -22,6 +24,7 @@ pub use self::daveml::FlownDaveml;
 pub use self::error::FlownError;
 pub use self::jsbsim::{FlightControl, FlownJsbsim, Sensed};
 pub use self::options::{FlownOptions, Thrust};
+pub use self::scaled::Scaled;
 use crate::tp1538::{self, Tp1538};
 use crate::transport::{Damage, Transport, TransportOptions};
 use crate::xml;
@@ -51,6 +54,8 @@ pub enum AircraftFile {
     Transport(Box<Transport>),
     /// The F-16 of NASA TP-1538.
     Tp1538(Box<Tp1538>),
+    /// One of these whose coefficients change more than its file says ([`AircraftFile::scaled`]).
+    Scaled(Box<Scaled>),
 }
 
 impl AircraftFile {
@@ -130,6 +135,7 @@ impl AircraftFile {
             Self::Daveml(aircraft) => aircraft.name(),
             Self::Transport(aircraft) => aircraft.name(),
             Self::Tp1538(_) => "F-16 of NASA TP-1538",
+            Self::Scaled(scaled) => scaled.aircraft().name(),
         }
     }
 
@@ -139,6 +145,7 @@ impl AircraftFile {
         match self {
             Self::Jsbsim(_) | Self::Transport(_) | Self::Tp1538(_) => Some(self.geometry().cg),
             Self::Daveml(_) => None,
+            Self::Scaled(scaled) => scaled.aircraft().centre_of_gravity(),
         }
     }
 
@@ -162,7 +169,41 @@ impl AircraftFile {
             }
             Self::Tp1538(_) if path.is_dir() => Ok(vec![path.join(tp1538::FILE)]),
             Self::Tp1538(_) => Ok(vec![path.into()]),
+            Self::Scaled(scaled) => scaled.aircraft().files(path, options),
         }
+    }
+
+    /// Names of the variables and tables of which the file says how well they are known: the `uncertainty` elements of DAVE-ML. Empty
+    /// for all other files, which cannot say it.
+    pub fn uncertain(&self) -> Vec<String> {
+        match self {
+            Self::Daveml(aircraft) => aircraft.uncertain(),
+            _ => Vec::new(),
+        }
+    }
+
+    /// Correlation of each of [`uncertain`](Self::uncertain) with each, -1 to 1, as the file says it.
+    pub fn correlations(&self) -> Vec<Vec<f64>> {
+        match self {
+            Self::Daveml(aircraft) => aircraft.correlations(),
+            _ => Vec::new(),
+        }
+    }
+
+    /// The aircraft with one of [`uncertain`](Self::uncertain) moved by so many of its standard uncertainties
+    /// ([`FlownDaveml::moved`]). `None` for a place beyond the last, and where a bound does not belong to its table.
+    pub fn moved(&self, uncertain: usize, by: f64) -> Option<Self> {
+        match self {
+            Self::Daveml(aircraft) => Some(Self::Daveml(Box::new(aircraft.moved(uncertain, by)?))),
+            _ => None,
+        }
+    }
+
+    /// The aircraft with each of `CL, CD, Cm, CY, Cl, Cn` (lift and drag along the stability axes) larger by a part of its difference
+    /// from the value in `reference`, which stands for a database that is off by that part of what changes in flight. Numbers that are
+    /// not finite make coefficients that are not.
+    pub fn scaled(aircraft: Arc<Self>, parts: [f64; 6], reference: [f64; 6]) -> Self {
+        Self::Scaled(Box::new(Scaled::new(aircraft, parts, reference)))
     }
 
     /// What is left out and what is assumed, in sentences.
@@ -172,6 +213,7 @@ impl AircraftFile {
             Self::Daveml(aircraft) => aircraft.notes(),
             Self::Transport(aircraft) => aircraft.notes(),
             Self::Tp1538(aircraft) => aircraft.notes(),
+            Self::Scaled(scaled) => scaled.aircraft().notes(),
         }
     }
 }
@@ -237,4 +279,5 @@ aircraft_by_variant!(
     Self::Daveml(aircraft),
     Self::Transport(aircraft),
     Self::Tp1538(aircraft),
+    Self::Scaled(aircraft),
 );

@@ -95,7 +95,8 @@ pub enum Effect {
     Absolute,
 }
 
-/// How well a value or a table is known (`uncertainty`). It never changes what is evaluated.
+/// How well a value or a table is known (`uncertainty`). It never changes what is evaluated; [`super::Model::moved`] makes a model with
+/// the value moved.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Uncertainty {
     /// What the bounds refer to.
@@ -109,6 +110,13 @@ impl Uncertainty {
     pub fn bounds(&self) -> &[Bound] {
         match &self.distribution {
             Distribution::Normal { bound, .. } => std::slice::from_ref(bound),
+            Distribution::Uniform { bounds } => bounds,
+        }
+    }
+
+    pub(super) fn bounds_mut(&mut self) -> &mut [Bound] {
+        match &mut self.distribution {
+            Distribution::Normal { bound, .. } => std::slice::from_mut(bound),
             Distribution::Uniform { bounds } => bounds,
         }
     }

@@ -46,7 +46,8 @@
 //! Some published files are no XML, because markup stands in their descriptions (`Added namespace to <math> elements`).
 //! They are read with that markup as text, and [`Model::repaired_lines`] says where.
 //!
-//! Uncertainties are read and can be asked for; they never change what is evaluated.
+//! Uncertainties are read and can be asked for; they never change what is evaluated. [`Model::moved`] is another model, with one of
+//! its uncertain elements moved.
 
 mod axis;
 mod checks;
@@ -58,6 +59,7 @@ mod gridded;
 mod identified;
 mod mathml;
 mod model;
+mod moved;
 mod program;
 mod reader;
 mod repair;
@@ -78,6 +80,7 @@ pub use identified::{
     CheckPoint, Coefficient, Constant, Correlation, Derived, Expression, IdentifiedModel, Input, Term,
 };
 pub use model::Model;
+pub use moved::{UncertainElement, UncertainPart};
 pub use program::Evaluator;
 pub use units::Unit;
 pub use write::{WriteError, identifier, write};

@@ -7,7 +7,9 @@ use phugoid_flight_dynamics::scalar::Scalar;
 
 use super::document::{Function, Header, Role, StaticShot, Variable};
 use super::error::DavemlError;
+use super::moved::Move;
 use super::program::{Evaluator, Program, Table};
+use super::scattered::Surface;
 
 /// A model in DAVE-ML, ready to be evaluated.
 #[derive(Clone, Debug)]
@@ -170,6 +172,34 @@ impl Model {
         let of_it = gridded.flatten().filter(|axis| axis.independent.variable == position && axis.points.len() > 1);
         let ends = of_it.filter_map(|axis| Some([*axis.points.first()?, *axis.points.last()?]));
         ends.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
+    }
+
+    /// The table of the function at this position of [`Model::functions`].
+    pub(super) fn table(&self, function: usize) -> Option<&Table> {
+        // Each function has brought its table with it.
+        self.program.tables.get(function)
+    }
+
+    /// The same model with values moved.
+    pub(super) fn with_moves(&self, moves: Vec<Move>) -> Self {
+        let mut program = Program::clone(&self.program);
+        program.moves.extend(moves);
+        Self { program: Arc::new(program), ..self.clone() }
+    }
+
+    /// The same model with other values of the table of these functions; none where there are no such values.
+    pub(super) fn with_tables(&self, functions: &[usize], values: impl Fn(&[f64]) -> Option<Vec<f64>>) -> Option<Self> {
+        let mut program = Program::clone(&self.program);
+        for function in functions {
+            match program.tables.get_mut(*function)? {
+                Table::Gridded(gridded) => gridded.values = values(&gridded.values)?.into(),
+                Table::Scattered(scattered) => {
+                    let surface = &scattered.surface;
+                    scattered.surface = Arc::new(Surface::new(surface.points.clone(), values(&surface.values)?)?);
+                }
+            }
+        }
+        Some(Self { program: Arc::new(program), ..self.clone() })
     }
 
     /// What evaluates the model. It needs no reference to it, and a copy costs no reading.

@@ -7,6 +7,7 @@ use phugoid_flight_dynamics::scalar::Scalar;
 use super::axis::Place;
 use super::functions::{Binary, Unary, holds};
 use super::gridded::Gridded;
+use super::moved::{Move, Size};
 use super::scattered::Scattered;
 
 /// An operation on the stack.
@@ -80,6 +81,8 @@ pub(super) struct Program {
     pub(super) computed: Vec<bool>,
     /// Variables that are set from outside.
     pub(super) free: Vec<u32>,
+    /// Values that are not those of the file; none of a model as it is read.
+    pub(super) moves: Vec<Move>,
     pub(super) stack: usize,
     pub(super) places: usize,
     pub(super) hints: usize,
@@ -94,6 +97,14 @@ pub(super) struct Program {
 #[derive(Clone, Debug)]
 pub struct Evaluator<T = f64> {
     program: Arc<Program>,
+    room: Room<T>,
+    /// The bounds of all moves, one after the other.
+    bounds: Vec<T>,
+}
+
+/// What an evaluation is written to.
+#[derive(Clone, Debug)]
+struct Room<T> {
     /// What was set, before limits.
     set: Vec<T>,
     values: Vec<T>,
@@ -105,14 +116,15 @@ pub struct Evaluator<T = f64> {
 impl<T: Scalar> Evaluator<T> {
     pub(super) fn new(program: Arc<Program>) -> Self {
         let start: Vec<T> = program.initial.iter().map(|value| T::from(*value)).collect();
-        Self {
+        let room = Room {
             set: start.clone(),
             values: start,
             stack: Vec::with_capacity(program.stack),
             places: vec![Place { index: 0, fraction: T::from(0.0) }; program.places],
             hints: vec![0; program.hints],
-            program,
-        }
+        };
+        let bounds = Vec::with_capacity(program.moves.iter().map(|one| one.bounds.len()).sum());
+        Self { program, room, bounds }
     }
 
     /// Sets the variable at this position of [`super::Model::variables`], in its unit, and answers whether it can be
@@ -120,14 +132,14 @@ impl<T: Scalar> Evaluator<T> {
     pub fn set(&mut self, variable: usize, value: T) -> bool {
         let free = self.program.computed.get(variable).is_some_and(|computed| !computed);
         if free {
-            self.set[variable] = value;
+            self.room.set[variable] = value;
         }
         free
     }
 
     /// Gives every input and constant the value that it has in the file, and NaN where it has none.
     pub fn reset(&mut self) {
-        for (set, initial) in self.set.iter_mut().zip(&self.program.initial) {
+        for (set, initial) in self.room.set.iter_mut().zip(&self.program.initial) {
             *set = T::from(*initial);
         }
     }
@@ -135,10 +147,49 @@ impl<T: Scalar> Evaluator<T> {
     /// Computes every variable from what was set. An input that is NaN makes NaN of all that is calculated or looked up
     /// with it; only a comparison with NaN is false, as always, so a `piecewise` may take another piece.
     pub fn run(&mut self) {
-        let program = &self.program;
+        let Self { program, room, bounds } = self;
+        let moves = &program.moves;
+        if moves.is_empty() {
+            return room.pass(program, |_, value| value);
+        }
+        let sizes = || moves.iter().flat_map(|one| &one.bounds);
+        if sizes().any(|size| matches!(size, Size::Variable(_))) {
+            room.pass(program, |_, value| value);
+        }
+        bounds.clear();
+        bounds.extend(sizes().map(|size| match *size {
+            Size::Number(number) => T::from(number),
+            Size::Variable(variable) => room.values[variable as usize],
+        }));
+        room.pass(program, |variable, value| {
+            let mut first = 0;
+            moves.iter().fold(value, |value, one| {
+                let own = &bounds[first..first + one.bounds.len()];
+                first += one.bounds.len();
+                if one.variable as usize == variable { one.applied(value, own) } else { value }
+            })
+        });
+    }
+
+    /// The value of the variable at this position of [`super::Model::variables`] after the last [`Evaluator::run`], in
+    /// its unit; NaN beyond the last variable.
+    pub fn get(&self, variable: usize) -> T {
+        self.room.values.get(variable).copied().unwrap_or_else(|| T::from(f64::NAN))
+    }
+
+    /// The values of all variables, in the order of [`super::Model::variables`], each in its unit.
+    pub fn values(&self) -> &[T] {
+        &self.room.values
+    }
+}
+
+impl<T: Scalar> Room<T> {
+    /// Computes every variable; each value, before its limits, is what `moved` makes of it.
+    #[inline]
+    fn pass(&mut self, program: &Program, moved: impl Fn(usize, T) -> T) {
         for &variable in &program.free {
             let variable = variable as usize;
-            self.values[variable] = program.limits[variable].applied(self.set[variable]);
+            self.values[variable] = program.limits[variable].applied(moved(variable, self.set[variable]));
         }
         for step in &program.steps {
             let value = match step.source {
@@ -152,19 +203,8 @@ impl<T: Scalar> Evaluator<T> {
                 }
             };
             let variable = step.variable as usize;
-            self.values[variable] = program.limits[variable].applied(value);
+            self.values[variable] = program.limits[variable].applied(moved(variable, value));
         }
-    }
-
-    /// The value of the variable at this position of [`super::Model::variables`] after the last [`Evaluator::run`], in
-    /// its unit; NaN beyond the last variable.
-    pub fn get(&self, variable: usize) -> T {
-        self.values.get(variable).copied().unwrap_or_else(|| T::from(f64::NAN))
-    }
-
-    /// The values of all variables, in the order of [`super::Model::variables`], each in its unit.
-    pub fn values(&self) -> &[T] {
-        &self.values
     }
 }
 

@@ -17,8 +17,8 @@ pub(super) struct Scattered {
 /// Triangles between the points of a table, with their values.
 #[derive(Clone, Debug)]
 pub(super) struct Surface {
-    points: Vec<[f64; 2]>,
-    values: Vec<f64>,
+    pub(super) points: Vec<[f64; 2]>,
+    pub(super) values: Vec<f64>,
     mesh: Triangulation,
     /// Slopes of the plane over each triangle.
     slopes: Vec<[f64; 2]>,

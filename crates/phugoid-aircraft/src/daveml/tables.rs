@@ -171,7 +171,7 @@ impl TableReader<'_> {
             return Err(self.lines.missing(node, "dataPoint"));
         }
         let content = match rows[0].len() {
-            2 => sorted(rows, line)?,
+            2 => sorted(rows, &mut doubt, line)?,
             _ => TableContent::Ungridded { rows, surface: OnceCell::new() },
         };
         Ok(TableDefinition { content, uncertainty: doubt, line })
@@ -366,9 +366,18 @@ impl TableReader<'_> {
     }
 }
 
-/// An ungridded table of one dimension, as a gridded one.
-fn sorted(mut rows: Vec<Vec<f64>>, line: u32) -> Result<TableContent, DavemlError> {
-    rows.sort_by(|a, b| a[0].total_cmp(&b[0]));
+/// An ungridded table of one dimension, as a gridded one. Bounds that are tables are brought into its order.
+fn sorted(rows: Vec<Vec<f64>>, doubt: &mut Option<Uncertainty>, line: u32) -> Result<TableContent, DavemlError> {
+    let mut order: Vec<usize> = (0..rows.len()).collect();
+    order.sort_by(|a, b| rows[*a][0].total_cmp(&rows[*b][0]));
+    for bound in doubt.iter_mut().flat_map(Uncertainty::bounds_mut) {
+        if let Bound::Table(sizes) = bound
+            && sizes.len() == order.len()
+        {
+            *sizes = order.iter().map(|k| sizes[*k]).collect();
+        }
+    }
+    let rows: Vec<&Vec<f64>> = order.iter().map(|k| &rows[*k]).collect();
     if let Some(pair) = rows.windows(2).find(|pair| pair[0][0] >= pair[1][0]) {
         return Err(DavemlError::NotIncreasing { before: pair[0][0], after: pair[1][0], line });
     }

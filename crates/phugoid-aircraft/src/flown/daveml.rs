@@ -24,7 +24,7 @@ use self::wiring::Wiring;
 use super::error::FlownError;
 use super::options::{FlownOptions, Thrust, check};
 use super::pool::Pool;
-use crate::daveml::{Evaluator, Model};
+use crate::daveml::{Evaluator, Model, UncertainElement};
 
 /// Time constant of the thrust behind the throttle, s: an assumption, the same for every aircraft.
 const ENGINE_LAG_S: f64 = 1.0;
@@ -58,7 +58,10 @@ type Slopes = Dual<VARIABLES>;
 /// threads evaluate side by side.
 #[derive(Clone, Debug)]
 pub struct FlownDaveml {
+    file: PathBuf,
     wiring: Wiring,
+    /// Sizes and masses that were given in SI.
+    own: Vec<(String, f64)>,
     outputs: Outputs,
     thrust: Drive,
     geometry: Geometry,
@@ -120,6 +123,8 @@ impl FlownDaveml {
         notes::note_thrust(&thrust, options.thrust, &mut notes);
         let (actuators, surface_stops, data_range) = notes::surfaces(&wiring, &mut notes);
         let mut aircraft = Self {
+            file: file.into(),
+            own,
             outputs: outputs.moved_by(basics.arm_m),
             thrust,
             geometry,
@@ -150,6 +155,41 @@ impl FlownDaveml {
     /// What the files ask for and is left out, and what is assumed, in sentences.
     pub fn notes(&self) -> &[String] {
         &self.notes
+    }
+
+    /// Everything that the files call uncertain (`uncertainty`), model by model in the order in which they are evaluated, with the
+    /// place of the model.
+    fn uncertain_elements(&self) -> Vec<(usize, UncertainElement)> {
+        let models = self.wiring.models().iter().enumerate();
+        models.flat_map(|(part, model)| model.uncertain_elements().into_iter().map(move |own| (part, own))).collect()
+    }
+
+    /// The names of all that the files call uncertain: variables and tables.
+    pub fn uncertain(&self) -> Vec<String> {
+        self.uncertain_elements().into_iter().map(|(_, element)| element.name).collect()
+    }
+
+    /// Correlation of each of [`uncertain`](Self::uncertain) with each ([`Model::correlation`]); those of different files have none.
+    pub fn correlations(&self) -> Vec<Vec<f64>> {
+        let all = self.uncertain_elements();
+        let of = |(part, one): &(usize, UncertainElement), (other_part, other): &(usize, UncertainElement)| {
+            if part == other_part { self.wiring.models()[*part].correlation(one, other) } else { 0.0 }
+        };
+        all.iter().map(|one| all.iter().map(|other| of(one, other)).collect()).collect()
+    }
+
+    /// The aircraft with one of [`uncertain`](Self::uncertain) moved by so many standard uncertainties ([`Model::moved`]); sizes,
+    /// masses and inertia stay as they are written, because coefficients belong to sizes and mass is known by itself. The moment
+    /// reference point moves where it is what is uncertain. `None` for a place beyond the last, where a bound does not belong to
+    /// its table, and where the point is no number any more.
+    pub fn moved(&self, uncertain: usize, by: f64) -> Option<Self> {
+        let (part, element) = self.uncertain_elements().into_iter().nth(uncertain)?;
+        let model = self.wiring.models()[part].moved(&element, by)?;
+        let wiring = self.wiring.clone().with_model(part, model);
+        let basics = basics::Basics::find(&wiring, &self.own, &self.file).ok()?;
+        let outputs = self.outputs.clone().moved_by(basics.arm_m);
+        let (plain, sloped) = (Pool::default(), Pool::default());
+        Some(Self { wiring, outputs, plain, sloped, ..self.clone() })
     }
 
     /// Coefficients at plain variables, in the order of [`air::variables`].

@@ -9,6 +9,7 @@ mod simulators;
 mod daveml_broken;
 mod daveml_flown;
 mod daveml_models;
+mod daveml_moved;
 mod daveml_standard;
 mod daveml_trim;
 mod daveml_write;

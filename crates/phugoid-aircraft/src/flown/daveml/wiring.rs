@@ -157,6 +157,12 @@ impl Wiring {
         if open.is_empty() { Ok(wiring) } else { Err(FlownError::Open { file: file.into(), names: open }) }
     }
 
+    /// The same with another model in the place of one, which has the same variables.
+    pub(super) fn with_model(mut self, part: usize, model: Model) -> Self {
+        self.models[part] = model;
+        self
+    }
+
     pub(super) fn models(&self) -> &[Model] {
         &self.models
     }
