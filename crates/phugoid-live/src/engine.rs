@@ -105,7 +105,7 @@ impl Engine {
 
     /// Publishes the first document, `hello`.
     pub fn begin(&self, publish: Publish<'_>) {
-        self.estimation.hello(publish);
+        self.estimation.hello(self.now_ns, publish);
     }
 
     /// Counts of the link since the start.

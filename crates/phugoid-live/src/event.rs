@@ -60,6 +60,8 @@ pub enum LiveEventKind {
     Impossible,
     /// The stream ended before an estimation could begin.
     Waiting,
+    /// What is declared uncertain and is not in the bounds, since it is not worked out in flight.
+    Bounds,
     /// The recording cannot be written, goes on, or has reached its limit.
     Recording,
 }
@@ -93,6 +95,7 @@ impl LiveEventKind {
             Self::Restart => "restart",
             Self::Impossible => "impossible",
             Self::Waiting => "waiting",
+            Self::Bounds => "bounds",
             Self::Recording => "recording",
         }
     }
@@ -111,12 +114,12 @@ mod tests {
     #[test]
     fn the_name_is_the_word_in_json() {
         use LiveEventKind::{
-            Airspeed, Alarm, Base, Columns, Impossible, Leap, Origin, Payload, Recording, Refused, Restart, Sender,
-            Silent, Stalled, Stranger, Waiting,
+            Airspeed, Alarm, Base, Bounds, Columns, Impossible, Leap, Origin, Payload, Recording, Refused, Restart,
+            Sender, Silent, Stalled, Stranger, Waiting,
         };
         for kind in [
             Origin, Payload, Columns, Airspeed, Base, Refused, Stalled, Silent, Sender, Stranger, Alarm, Leap, Restart,
-            Impossible, Waiting, Recording,
+            Impossible, Waiting, Bounds, Recording,
         ] {
             let kind = EventKind::from(kind);
             let json = serde_json::to_string(&kind).unwrap();

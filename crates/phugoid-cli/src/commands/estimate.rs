@@ -15,7 +15,7 @@ use phugoid_identification::estimation::{Estimation, UncertainQuantity};
 use phugoid_identification::export::Identified;
 use phugoid_identification::inspect::segment;
 use phugoid_identification::manoeuvres::{Settings, find};
-use phugoid_identification::model_file::{ModelFile, Uncertainty};
+use phugoid_identification::model_file::{BaseUncertainty, ModelFile, Uncertainty};
 use phugoid_identification::options::Likelihood;
 use phugoid_identification::parts::for_parts;
 use phugoid_report::HtmlOptions;
@@ -358,7 +358,10 @@ fn show_uncertainty(uncertainty: &Uncertainty) -> Result<(), Failure> {
     for quantity in UncertainQuantity::ALL {
         table.row(vec![
             quantity.key().to_owned(),
-            quantity.unit().in_words(uncertainty.of_quantity(quantity)),
+            match (quantity, uncertainty.base) {
+                (UncertainQuantity::BaseTables, BaseUncertainty::Elements) => BaseUncertainty::IN_WORDS.to_owned(),
+                _ => quantity.unit().in_words(uncertainty.of_quantity(quantity)),
+            },
             quantity.name().to_owned(),
             uncertainty.origin_of(quantity).to_owned(),
         ]);

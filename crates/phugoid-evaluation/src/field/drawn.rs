@@ -108,6 +108,8 @@ impl Site {
                     constant(source, 1.0 / (1.0 + c));
                 }
             }
+            // No site is of them.
+            UncertainQuantity::BaseTables => {}
         }
     }
 }
@@ -271,9 +273,13 @@ fn run(flight: &Flight, method: Method, sizes: &[f64; SITES.len()]) -> Option<(V
     Some((parameters, named))
 }
 
+/// Quantities of which an error can be drawn: all but the tables of a base, which stand last and which no flight of the field has.
+const DRAWN: usize = UncertainQuantity::ALL.len() - 1;
+const _: () = assert!(matches!(UncertainQuantity::ALL[DRAWN], UncertainQuantity::BaseTables));
+
 /// The draw of number `k`: none, all and one at a time in turn, so that every row has as many flights.
 fn draw_of(k: usize) -> Draw {
-    let rows = UncertainQuantity::ALL.len() + 2;
+    let rows = DRAWN + 2;
     match k % rows {
         0 => Draw::None,
         1 => Draw::All,
@@ -283,7 +289,7 @@ fn draw_of(k: usize) -> Draw {
 
 /// A task of the study: how errors are drawn, and the flight.
 pub(super) fn tasks(per_row: usize, flights: usize) -> Vec<(Draw, usize, usize)> {
-    let rows = UncertainQuantity::ALL.len() + 2;
+    let rows = DRAWN + 2;
     (0..per_row * rows).map(|k| (draw_of(k), draw_below(k / rows, flights), k)).collect()
 }
 

@@ -278,6 +278,10 @@ fn causes(asked: &[Asked]) -> Vec<(Cause, DMatrix<f64>)> {
         .collect();
     let zero = DVector::from_iterator(count, asked.iter().map(|one| of_zero(asked, &one.course.parameter)));
     for (place, quantity) in UncertainQuantity::ALL.into_iter().enumerate() {
+        // The tables of a base are the same in all flights of all airframes, and nothing changes with them.
+        if quantity == UncertainQuantity::BaseTables {
+            continue;
+        }
         let effects = effects(asked, place);
         let has_zero = zero.iter().any(|effect| *effect != 0.0);
         if effects.iter().all(|effect| *effect == 0.0) || quantity == UncertainQuantity::FlowAngleZero && has_zero {

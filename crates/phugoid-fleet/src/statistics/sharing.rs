@@ -13,7 +13,7 @@ pub enum Owner {
     /// fuel of the day. Where a mean is formed it counts as shared by all flights, and where flights are compared as their
     /// own: each is the choice that makes a bound larger.
     Loading,
-    /// The type: the same in all airframes, as the thrust of a table of the engine.
+    /// The type: the same in all airframes, as the thrust of a table of the engine, or the tables that increments are estimated to.
     Fleet,
 }
 
@@ -30,7 +30,7 @@ pub const fn owner(quantity: UncertainQuantity) -> Owner {
         | UncertainQuantity::AccelerationScale
         | UncertainQuantity::Inertia => Owner::Airframe,
         UncertainQuantity::Mass | UncertainQuantity::CentreOfGravity => Owner::Loading,
-        UncertainQuantity::Thrust => Owner::Fleet,
+        UncertainQuantity::Thrust | UncertainQuantity::BaseTables => Owner::Fleet,
     }
 }
 

@@ -1,6 +1,7 @@
 //! Runs work that needs more stack than a common thread has.
 
-use std::sync::mpsc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError, mpsc};
 use std::thread;
 
 /// Stack of a thread that estimates, bytes: an estimator with room for 48 columns takes 3.1 MB in all its copies while
@@ -30,4 +31,31 @@ where
             Err(_) => work(progress),
         }
     })
+}
+
+/// Does the jobs `0..jobs` on as many threads as there are cores, each with [`STACK_BYTES`] of stack, and gives their results in
+/// order; the caller, whose stack has to be as large, works with them.
+pub(crate) fn on_large_stacks<T: Send>(jobs: usize, work: impl Fn(usize) -> T + Sync) -> Vec<T> {
+    let next = AtomicUsize::new(0);
+    let results: Mutex<Vec<Option<T>>> = Mutex::new((0..jobs).map(|_| None).collect());
+    let take_turns = || {
+        loop {
+            let job = next.fetch_add(1, Ordering::Relaxed);
+            if job >= jobs {
+                return;
+            }
+            let result = work(job);
+            let mut results = results.lock().unwrap_or_else(PoisonError::into_inner);
+            results[job] = Some(result);
+        }
+    };
+    let cores = thread::available_parallelism().map_or(1, usize::from).min(jobs);
+    thread::scope(|scope| {
+        for _ in 1..cores {
+            // Where the system gives no further thread, those that there are do the work.
+            let _ = thread::Builder::new().stack_size(STACK_BYTES).spawn_scoped(scope, take_turns);
+        }
+        take_turns();
+    });
+    results.into_inner().unwrap_or_else(PoisonError::into_inner).into_iter().flatten().collect()
 }

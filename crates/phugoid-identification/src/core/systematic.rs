@@ -35,11 +35,14 @@ pub enum UncertainQuantity {
     CentreOfGravity,
     /// Thrust.
     Thrust,
+    /// Tables and numbers of the aircraft of a file that increments are estimated to (`base`). No constant of a motion: the estimate
+    /// is made again with each of them moved.
+    BaseTables,
 }
 
 impl UncertainQuantity {
     /// All of them, in the order of the keys of `[uncertainty]`.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 13] = [
         Self::AirspeedScale,
         Self::AirspeedPerAlpha,
         Self::FlowAngleScale,
@@ -52,6 +55,7 @@ impl UncertainQuantity {
         Self::Inertia,
         Self::CentreOfGravity,
         Self::Thrust,
+        Self::BaseTables,
     ];
 
     /// The key of the section `[uncertainty]`, and the word in results.
@@ -69,6 +73,7 @@ impl UncertainQuantity {
             Self::Inertia => "inertia",
             Self::CentreOfGravity => "centre_of_gravity",
             Self::Thrust => "thrust",
+            Self::BaseTables => "base",
         }
     }
 
@@ -87,6 +92,7 @@ impl UncertainQuantity {
             Self::Inertia => "inertia",
             Self::CentreOfGravity => "centre of gravity",
             Self::Thrust => "thrust",
+            Self::BaseTables => "tables of the base",
         }
     }
 
@@ -116,6 +122,7 @@ impl UncertainQuantity {
             Self::Inertia => "a measurement of the moments of inertia",
             Self::CentreOfGravity => "weighing the aircraft on its wheels for the centre of gravity",
             Self::Thrust => "a measurement of the thrust",
+            Self::BaseTables => "a better database (a wind tunnel, or increments for its other terms)",
         }
     }
 }
@@ -163,9 +170,10 @@ pub struct SystematicPart {
     pub share: f64,
     /// What a positive error of one declared standard uncertainty does to the estimate: estimate less truth, in the unit of the
     /// parameter. Positive is a sensor that shows too much or too late, a mass, an inertia or a thrust that is larger than the model
-    /// file says, and a centre of gravity behind the one that it says, so that the effects of one quantity on several parameters
+    /// file says, a centre of gravity behind the one that it says, and tables of the base that are really moved in the positive
+    /// direction, so that the effects of one quantity on several parameters
     /// can be compared. Where a quantity stands for several constants with errors of their own (alpha and beta, each surface, each
-    /// accelerometer), the root of the sum of their squares with the sign of the largest one.
+    /// accelerometer, each table), the root of the sum of their squares with the sign of the largest one.
     pub effect: f64,
 }
 
@@ -191,6 +199,15 @@ impl ByQuantity {
     /// One sigma of all together, in the unit of the parameter.
     pub(crate) fn std(&self) -> f64 {
         self.variances.iter().sum::<f64>().sqrt()
+    }
+
+    /// Those that have these parts.
+    pub(crate) fn of_parts(parts: &[SystematicPart]) -> Self {
+        let mut all = Self::default();
+        for part in parts {
+            all.add(part.quantity, part.effect);
+        }
+        all
     }
 
     /// The parts, the largest share first; quantities without any are left out.

@@ -23,5 +23,5 @@ mod reasons;
 mod smoothed;
 pub(crate) mod summary;
 mod systematic;
-mod total;
+pub(crate) mod total;
 mod verdict;

@@ -138,7 +138,7 @@ fn in_flight<M: Motion<N, R>, const N: usize, const R: usize>(
 }
 
 /// The slope of a database over what was flown.
-struct Secant {
+pub(crate) struct Secant {
     slope: f64,
     /// Root mean square of the local slopes about it.
     spread: f64,
@@ -146,8 +146,12 @@ struct Secant {
 }
 
 impl Secant {
+    pub(crate) const fn slope(&self) -> f64 {
+        self.slope
+    }
+
     /// None where nothing is known of the variable, or the database has no value.
-    fn over(flown: &[f64], reference: f64, at: impl Fn(f64) -> f64) -> Option<Self> {
+    pub(crate) fn over(flown: &[f64], reference: f64, at: impl Fn(f64) -> f64) -> Option<Self> {
         let mut values = flown.to_vec();
         let mut low = quantile(&mut values, TAIL, Rank::Nearest)?;
         let mut high = quantile(&mut values, 1.0 - TAIL, Rank::Nearest)?;

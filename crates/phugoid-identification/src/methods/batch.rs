@@ -106,6 +106,7 @@ pub(super) fn run_batch<M: MotionModel<N, R, CAPACITY>, const N: usize, const R:
         second_answer,
         no_second_answer,
         disputed: None,
+        said_of_base: None,
         follows_constants: systematic.is_some(),
     };
     progress(1.0);
@@ -278,6 +279,9 @@ fn solve<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
     Ok(Solved { fit, structure, equations: Vec::new(), second_answer, no_second_answer })
 }
 
+/// What a note says of flow angles that were not simulated.
+pub(crate) const TAKEN_AS_MEASURED: &str = "taken as measured";
+
 /// Output error with the flow angles that the options ask for, and what was unknown with them; `searched` finds its minimum
 /// from all starts. Costs with simulated and with measured angles are of different outputs and are not compared.
 fn with_flow_angles<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
@@ -299,7 +303,7 @@ fn with_flow_angles<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usi
         for &row in &angles {
             fit.noise_std[row] = task.noise[row].std;
         }
-        Ok((noted(fit, &format!("{} taken as measured, and not fitted{note}", names.join(" and "))), following))
+        Ok((noted(fit, &format!("{} {TAKEN_AS_MEASURED}, and not fitted{note}", names.join(" and "))), following))
     };
     // The residuals of the simulated angles over the noise of their vanes, the largest of them.
     let above = |fit: &BatchFit| {

@@ -53,6 +53,7 @@ pub(super) fn run_causal<M: Motion<N, R>, const N: usize, const R: usize>(
         second_answer: None,
         no_second_answer: None,
         disputed: None,
+        said_of_base: None,
         follows_constants: task.follows_constants(),
     };
     let mut surfaces = vec![0.0; run.columns.len()];

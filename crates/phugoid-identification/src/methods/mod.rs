@@ -21,7 +21,7 @@ mod task;
 mod watch;
 
 use crate::core::error::EstimateError;
-pub(crate) use batch::manoeuvre as whole_record;
+pub(crate) use batch::{TAKEN_AS_MEASURED, manoeuvre as whole_record};
 use causal::run_causal;
 pub(crate) use health_watch::HealthRun;
 pub(crate) use predict::predict;
@@ -29,6 +29,7 @@ pub use predict::{Predicted, PredictedParameter};
 pub(crate) use readiness::ColumnVerdict;
 pub(crate) use room::{EveryRoom, causal_run};
 pub(crate) use second::beside_causal;
+pub(crate) use snapshot::Snapshot;
 pub(crate) use stepper::CausalRun;
 pub(crate) use task::{ColumnRun, Disputed, ModelError, Run, RunChange, Task};
 
@@ -40,15 +41,25 @@ pub(crate) fn run<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     task: &Task<M, N, R>,
     progress: &mut dyn FnMut(f64),
 ) -> Result<Run<R>, EstimateError> {
-    let method = task.method();
-    if method.is_equation_error() {
-        let mut run = batch::run_batch(task, progress)?;
+    let mut run = run_alone(task, progress)?;
+    if task.method().is_equation_error() {
         match second::by_filter(task) {
             Ok(answer) => run.second_answer = Some(answer),
             Err(error) => run.no_second_answer = Some(error.to_string()),
         }
-        Ok(run)
-    } else if method.is_batch() {
+    }
+    Ok(run)
+}
+
+/// Runs the method of the task, and no other beside it.
+///
+/// # Errors
+/// As [`run`].
+pub(crate) fn run_alone<M: EveryRoom<N, R>, const N: usize, const R: usize>(
+    task: &Task<M, N, R>,
+    progress: &mut dyn FnMut(f64),
+) -> Result<Run<R>, EstimateError> {
+    if task.method().is_batch() {
         batch::run_batch(task, progress)
     } else {
         run_causal(&mut *causal_run(task)?, task, progress)

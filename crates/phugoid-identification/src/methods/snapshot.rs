@@ -9,19 +9,21 @@ const EFFECTS: usize = 2 * UncertainQuantity::ALL.len();
 const _: () = assert!(ROOM_FOR_CONSTANTS <= EFFECTS);
 
 /// A column of an estimate at one moment.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Column {
     value: f64,
     /// The corrected standard error without what is declared.
     random_std: f64,
     /// What one declared standard uncertainty of each constant does to the value.
     effects: [f64; EFFECTS],
+    /// What independent errors of the tables of the base of one standard uncertainty each do to it; empty until that was worked out.
+    by_base: Vec<f64>,
 }
 
 impl Column {
     /// A column with these effects; those that there are not are zero.
     pub(crate) fn new(value: f64, random_std: f64, effects: impl Iterator<Item = f64>) -> Self {
-        let mut column = Self { value, random_std, effects: [0.0; EFFECTS] };
+        let mut column = Self { value, random_std, effects: [0.0; EFFECTS], by_base: Vec::new() };
         column.effects.iter_mut().zip(effects).for_each(|(own, effect)| *own = effect);
         column
     }
@@ -43,6 +45,13 @@ impl Snapshot {
         self.0.extend(columns);
     }
 
+    /// Says what independent errors of the tables of the base, of one standard uncertainty each, do to a column.
+    pub(crate) fn set_by_base(&mut self, column: usize, effects: Vec<f64>) {
+        if let Some(column) = self.0.get_mut(column) {
+            column.by_base = effects;
+        }
+    }
+
     /// Whether nothing was estimated yet.
     pub(crate) fn is_empty(&self) -> bool {
         self.0.is_empty()
@@ -55,8 +64,8 @@ impl Snapshot {
 
     /// The standard error of a column, with the declared part.
     pub(crate) fn std(&self, column: usize) -> Option<f64> {
-        let Column { random_std, effects, .. } = self.0.get(column)?;
-        Some(effects.iter().fold(*random_std, |sum, effect| sum.hypot(*effect)))
+        let Column { random_std, effects, by_base, .. } = self.0.get(column)?;
+        Some(effects.iter().chain(by_base).fold(*random_std, |sum, effect| sum.hypot(*effect)))
     }
 
     /// One sigma of the difference of a column at two moments: the random parts of both, and of the declared part the difference,
@@ -67,7 +76,9 @@ impl Snapshot {
     pub(crate) fn difference_std(&self, other: &Self, column: usize) -> Option<f64> {
         let (before, after) = (self.0.get(column)?, other.0.get(column)?);
         let differences = before.effects.iter().zip(&after.effects).map(|(before, after)| after - before);
-        Some(differences.fold(self.random_std(other, column)?, f64::hypot))
+        // Where one of the two has none, it is of a change that has no counterpart in the other runs.
+        let by_base = before.by_base.iter().zip(&after.by_base).map(|(before, after)| after - before);
+        Some(differences.chain(by_base).fold(self.random_std(other, column)?, f64::hypot))
     }
 
     /// The random part of that: what noise and turbulence leave open of the difference.

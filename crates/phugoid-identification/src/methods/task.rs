@@ -17,7 +17,7 @@ use crate::preparation::noise::NoiseLevel;
 use crate::preparation::prepared::Prepared;
 
 /// The result of one run, by sample and by column.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Run<const R: usize> {
     /// One per estimated parameter, in the order of the columns.
     pub(crate) columns: Vec<ColumnRun>,
@@ -51,6 +51,8 @@ pub(crate) struct Run<const R: usize> {
     pub(crate) no_second_answer: Option<String>,
     /// A change that was not believed when the record was looked at again; `None` where there is none with much evidence.
     pub(crate) disputed: Option<Disputed>,
+    /// What is said of errors of the tables of the base; none where the declared ones were not worked out.
+    pub(crate) said_of_base: Option<String>,
     /// True if errors of the declared constants were followed, false if they are carried by the powers of the scales.
     pub(crate) follows_constants: bool,
 }

@@ -33,9 +33,21 @@ impl KnownAircraft {
         &self.file
     }
 
+    /// The last part of its path, for a sentence.
+    pub(crate) fn name(&self) -> String {
+        self.file
+            .file_name()
+            .map_or_else(|| self.file.display().to_string(), |name| name.to_string_lossy().into_owned())
+    }
+
     /// The aircraft.
     pub fn aircraft(&self) -> &Arc<AircraftFile> {
         &self.aircraft
+    }
+
+    /// The same with another aircraft in its place, which has the same sizes.
+    pub(crate) fn with(&self, aircraft: Arc<AircraftFile>) -> Self {
+        Self { aircraft, ..self.clone() }
     }
 
     /// The files that it was read from, its own first.

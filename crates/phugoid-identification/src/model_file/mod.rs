@@ -26,4 +26,4 @@ pub(crate) use parse::LIGHT_TURBULENCE;
 pub use powers::{ByPowers, DatabasePart};
 pub use settings::{EstimatorTuning, InputHold, ProcessNoise};
 pub use simulation::{EngineData, FuelData, FuelFlow, PropelledData, SimulationData, Slipstream};
-pub use uncertainty::{Propagation, Uncertainty};
+pub use uncertainty::{BaseUncertainty, Propagation, Uncertainty};

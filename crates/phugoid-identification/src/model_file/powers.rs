@@ -113,7 +113,8 @@ fn parts(declared: &Uncertainty, coefficient: Coefficient, term: &Term, rate_spe
             | UncertainQuantity::SurfaceSkew
             | UncertainQuantity::AccelerationScale
             | UncertainQuantity::CentreOfGravity
-            | UncertainQuantity::Thrust => 0.0,
+            | UncertainQuantity::Thrust
+            | UncertainQuantity::BaseTables => 0.0,
         };
         power * declared.of_quantity(quantity)
     })

@@ -6,11 +6,13 @@
 //! proportional to a product of powers of the scales. Four methods follow what each error really does to their estimate
 //! instead, and know of lags, of the centre of gravity and of others that have no powers as well (docs/uncertainty.md).
 
-use super::Source;
 use super::error::ModelFileError;
 use super::section::Section;
+use super::{ModelFile, Source};
 use crate::core::systematic::{UncertainQuantity, UncertaintyUnit};
 use phugoid_flight_data::quantity::Dimension;
+use toml::Spanned;
+use toml::de::DeValue;
 
 /// Standard uncertainties, one sigma; of scales as a part of the quantity itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,10 +42,29 @@ pub struct Uncertainty {
     pub centre_of_gravity: f64,
     /// Thrust.
     pub thrust: f64,
+    /// Tables and numbers of the aircraft that increments are estimated to.
+    pub base: BaseUncertainty,
     /// True if the model file says nothing of them and these are the usual ones.
     pub by_default: bool,
     /// How the errors are carried into those of the parameters.
     pub propagation: Propagation,
+}
+
+/// How well the aircraft of a file is known that increments are estimated to (`base`).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum BaseUncertainty {
+    /// Nothing is carried into the bounds, whatever its file says.
+    #[default]
+    None,
+    /// As its file says: the `uncertainty` elements of DAVE-ML. Nothing of a file that has none.
+    Elements,
+    /// Each coefficient by itself by this part of its change from the reference condition, one sigma; in the place of what the file says.
+    Part(f64),
+}
+
+impl BaseUncertainty {
+    /// What stands for the number of [`Elements`](Self::Elements), which are many.
+    pub const IN_WORDS: &str = "as stated";
 }
 
 /// How declared errors are carried into those of the parameters.
@@ -59,6 +80,9 @@ pub enum Propagation {
 
 /// Lighter aircraft carry nobody, kg: very light aeroplanes with a pilot weigh twice as much.
 const UNMANNED_BELOW: f64 = 100.0;
+
+/// The word of the key `base` for what the file says.
+const ELEMENTS: &str = "elements";
 
 /// 0.15 % of the airspeed per degree of the angle of attack, per radian.
 const PER_ALPHA: f64 = 0.0015 / DEGREE;
@@ -81,6 +105,7 @@ impl Uncertainty {
         inertia: 0.0,
         centre_of_gravity: 0.0,
         thrust: 0.0,
+        base: BaseUncertainty::None,
         by_default: false,
         propagation: Propagation::Recursion,
     };
@@ -102,6 +127,7 @@ impl Uncertainty {
         inertia: 0.03,
         centre_of_gravity: 0.005,
         thrust: 0.03,
+        base: BaseUncertainty::Elements,
         ..Self::NONE
     };
 
@@ -139,6 +165,7 @@ impl Uncertainty {
         inertia: 0.1,
         centre_of_gravity: 0.01,
         thrust: 0.1,
+        base: BaseUncertainty::Elements,
         ..Self::NONE
     };
 
@@ -153,7 +180,7 @@ impl Uncertainty {
     }
 
     /// The section `[uncertainty]`; without it the usual ones.
-    pub(super) fn parse(top: &Section, mass: &Source) -> Result<Self, ModelFileError> {
+    pub(super) fn parse(top: &Section, mass: &Source, has_known: bool) -> Result<Self, ModelFileError> {
         let Some(section) = top.section("uncertainty")? else { return Ok(Self::usual(mass)) };
         let keys = ["class", "propagation"].into_iter().chain(UncertainQuantity::ALL.map(UncertainQuantity::key));
         section.allow("key", keys)?;
@@ -170,6 +197,12 @@ impl Uncertainty {
         }
         for quantity in UncertainQuantity::ALL {
             let key = quantity.key();
+            let is_word =
+                matches!(section.get(key).map(Spanned::get_ref), Some(DeValue::String(word)) if word == ELEMENTS);
+            if quantity == UncertainQuantity::BaseTables && is_word {
+                own.base = BaseUncertainty::Elements;
+                continue;
+            }
             let (dimension, most, expected) = match quantity.unit() {
                 UncertaintyUnit::Part => (Dimension::NUMBER, 0.5, "a part of one, 0 to 0.5"),
                 UncertaintyUnit::PerAngle => (Dimension::NUMBER, 5.0, "a part of one per radian, 0 to 5"),
@@ -181,13 +214,21 @@ impl Uncertainty {
             if !(0.0..=most).contains(&value) {
                 return Err(section.error(key, format!("`{key}` is {value}: expected one sigma as {expected}")));
             }
-            *own.place(quantity) = value;
+            match own.place(quantity) {
+                Some(place) => *place = value,
+                None if has_known => own.base = BaseUncertainty::Part(value),
+                None => {
+                    let message = "`base` is of increments to the aircraft of a file, and this model has none: `base` of the model file is no path";
+                    return Err(section.error(key, message));
+                }
+            }
         }
         Ok(own)
     }
 
-    fn place(&mut self, quantity: UncertainQuantity) -> &mut f64 {
-        match quantity {
+    /// The number of a quantity; none of that which is no number alone.
+    fn place(&mut self, quantity: UncertainQuantity) -> Option<&mut f64> {
+        Some(match quantity {
             UncertainQuantity::AirspeedScale => &mut self.airspeed_scale,
             UncertainQuantity::AirspeedPerAlpha => &mut self.airspeed_per_alpha,
             UncertainQuantity::FlowAngleScale => &mut self.flow_angle_scale,
@@ -200,25 +241,41 @@ impl Uncertainty {
             UncertainQuantity::Inertia => &mut self.inertia,
             UncertainQuantity::CentreOfGravity => &mut self.centre_of_gravity,
             UncertainQuantity::Thrust => &mut self.thrust,
+            UncertainQuantity::BaseTables => return None,
+        })
+    }
+
+    /// One sigma of a quantity, in the unit that [`UncertainQuantity::unit`] gives; of the tables of a base zero where its file says
+    /// it ([`BaseUncertainty::Elements`]).
+    pub fn of_quantity(&self, quantity: UncertainQuantity) -> f64 {
+        let mut own = *self;
+        match (own.place(quantity), self.base) {
+            (Some(place), _) => *place,
+            (None, BaseUncertainty::Part(part)) => part,
+            (None, BaseUncertainty::None | BaseUncertainty::Elements) => 0.0,
         }
     }
 
-    /// One sigma of a quantity, in the unit that [`UncertainQuantity::unit`] gives.
-    pub fn of_quantity(&self, quantity: UncertainQuantity) -> f64 {
-        let mut own = *self;
-        *own.place(quantity)
+    /// One sigma of the quantities that a method may follow, or carry by powers: all but the tables of a base.
+    fn of_constants(&self) -> impl Iterator<Item = (UncertainQuantity, f64)> {
+        let all = UncertainQuantity::ALL.into_iter().filter(|quantity| *quantity != UncertainQuantity::BaseTables);
+        all.map(|quantity| (quantity, self.of_quantity(quantity)))
     }
 
     /// Whether the methods that can follow the errors: that is asked for, and some are declared.
     pub fn follows(&self) -> bool {
-        self.propagation == Propagation::Recursion
-            && UncertainQuantity::ALL.into_iter().any(|quantity| self.of_quantity(quantity) > 0.0)
+        self.propagation == Propagation::Recursion && self.of_constants().any(|(_, value)| value > 0.0)
     }
 
     /// Where the value of a quantity comes from: the model file, or the default with its source.
     pub fn origin_of(&self, quantity: UncertainQuantity) -> &'static str {
         let unmanned = self.by_default && self.inertia == Self::UNMANNED.inertia;
         match (self.by_default, unmanned, quantity) {
+            (.., UncertainQuantity::BaseTables) => match self.base {
+                BaseUncertainty::None => "none declared in the model file",
+                BaseUncertainty::Elements => "as the file of `base` says: the uncertainty elements of DAVE-ML",
+                BaseUncertainty::Part(_) => "the model file",
+            },
             (false, ..) if self.of_quantity(quantity) == 0.0 => "none declared in the model file",
             _ if self.propagation == Propagation::Powers && !Self::has_power(quantity) => {
                 "not in use: it has no power, and `propagation = \"powers\"` is asked for"
@@ -261,8 +318,8 @@ impl Uncertainty {
     /// A sentence for the user about what is in the bounds, or that nothing is declared. `followed`: the method has followed
     /// the errors, and every quantity is in its bounds; else those that have powers.
     pub(crate) fn sentence(&self, followed: bool) -> String {
-        let declared = UncertainQuantity::ALL.into_iter().map(|quantity| (quantity, self.of_quantity(quantity)));
-        let (inside, outside): (Vec<_>, Vec<_>) = declared
+        let (inside, outside): (Vec<_>, Vec<_>) = self
+            .of_constants()
             .filter(|(_, value)| *value > 0.0)
             .partition(|(quantity, _)| followed || Self::has_power(*quantity));
         let words = |list: &[(UncertainQuantity, f64)]| -> Vec<String> {
@@ -292,6 +349,51 @@ impl Uncertainty {
             },
             list.join(", ")
         )
+    }
+}
+
+impl ModelFile {
+    /// What is declared uncertain of the aircraft that increments are estimated to, and is not in the bounds where the estimate is not made
+    /// again: in a live session. `None` where nothing is declared. An estimation of a whole record works it out and says so in its
+    /// verdict.
+    pub fn declared_and_not_in_bounds_of_base(&self) -> Option<String> {
+        let known = self.known.as_ref()?;
+        let name = known.name();
+        let what = match self.uncertainty.base {
+            BaseUncertainty::Part(part) if part > 0.0 => {
+                format!(
+                    "errors of the base {name}, of which {:.1} % are declared (`base` under [uncertainty])",
+                    100.0 * part
+                )
+            }
+            BaseUncertainty::Elements => match known.aircraft().uncertain().len() {
+                0 => return None,
+                count => format!("the uncertainty that {name} states of its tables and numbers ({count} in all)"),
+            },
+            BaseUncertainty::None | BaseUncertainty::Part(_) => return None,
+        };
+        Some(format!(
+            "The bounds do not contain {what}: that is worked out by estimating again, which is done of a whole record and not in flight."
+        ))
+    }
+
+    /// What is not in the bounds of errors of the aircraft that increments are estimated to, where nothing was worked out: that something
+    /// is declared, or that nothing is. `None` without the aircraft of a file.
+    pub(crate) fn not_in_bounds_of_base(&self) -> Option<String> {
+        let known = self.known.as_ref()?;
+        self.declared_and_not_in_bounds_of_base().or_else(|| {
+            let name = known.name();
+            Some(match known.aircraft().uncertain().len() {
+                0 => format!(
+                    "The bounds contain no errors of the tables of the base {name}: it states none, and none are declared (`base` under \
+                     [uncertainty])."
+                ),
+                count => format!(
+                    "The bounds contain no errors of the tables of the base {name}: it states the uncertainty of its tables and numbers \
+                     ({count} in all), and [uncertainty] leaves that out (base = \"{ELEMENTS}\" takes it in)."
+                ),
+            })
+        })
     }
 }
 

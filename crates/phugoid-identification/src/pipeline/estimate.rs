@@ -20,6 +20,7 @@ use crate::model_file::ModelFile;
 use crate::models::lateral::LateralModel;
 use crate::models::longitudinal::LongitudinalModel;
 use crate::models::six::SixModel;
+use crate::pipeline::base_tables;
 use crate::pipeline::look_back::{look_back, looks_back};
 use crate::preparation::checks::{doubts, noise_levels};
 use crate::preparation::prepare::prepare;
@@ -85,11 +86,15 @@ pub(crate) fn pipeline(
     let lateral =
         |progress: &mut dyn FnMut(f64)| pipeline_of::<LateralModel, _, _>(record, model, options, health, progress);
     let six = |progress: &mut dyn FnMut(f64)| pipeline_of::<SixModel, _, _>(record, model, options, health, progress);
-    match model.axes {
+    let found = match model.axes {
         Axes::Longitudinal => on_a_large_stack(&longitudinal, progress),
         Axes::LateralDirectional => on_a_large_stack(&lateral, progress),
         Axes::All => on_a_large_stack(&six, progress),
+    };
+    if base_tables::is_wanted(model, options) {
+        progress(1.0);
     }
+    found
 }
 
 /// The pipeline of one motion: the estimate, and what it says of terms that the model lacks.
@@ -100,8 +105,14 @@ fn pipeline_of<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     health: Option<&HealthOptions>,
     progress: &mut dyn FnMut(f64),
 ) -> Result<(Estimation, Option<HealthRun>), EstimateError> {
+    let carries = base_tables::is_wanted(model, options);
+    // The runs with moved tables of the base take the second half.
+    let part = if carries { 0.5 } else { 1.0 };
+    let progress = &mut |done: f64| progress(part * done);
     if options.structure == StructureSearch::Never {
-        return once::<M, N, R>(record, model, options, health, progress).map(|once| (once.estimation, once.watched));
+        let once = once::<M, N, R>(record, model, options, health, progress)?;
+        let estimation = if carries { (once.judged)(None, true) } else { once.estimation };
+        return Ok((estimation, once.watched));
     }
     // Terms are tried in a second half.
     let first = once::<M, N, R>(record, model, options, health, &mut |done| progress(0.5 * done));
@@ -127,15 +138,12 @@ fn pipeline_of<M: EveryRoom<N, R>, const N: usize, const R: usize>(
         by_the_method(offer, model, method, before, &mut run).or(confirmed)
     });
     let taken = options.structure == StructureSearch::Auto && confirmed.is_some();
-    let mut chosen = match (first, confirmed) {
-        (_, Some(with)) if taken => with,
-        (Ok(mut first), with) => {
+    let (mut chosen, said) = match (first, confirmed) {
+        (_, Some(with)) if taken => (with, None),
+        (Ok(first), with) => {
             let said =
                 offer.as_ref().and_then(|offer| missing(offer, first.found(), with.as_ref().map(Once::found), model));
-            if let Some(said) = said {
-                first.estimation = (first.with_missing)(said);
-            }
-            first
+            (first, said)
         }
         (Err(error), None) => return Err(EstimateError::Batch(error)),
         (Err(error), Some(_)) => {
@@ -143,6 +151,9 @@ fn pipeline_of<M: EveryRoom<N, R>, const N: usize, const R: usize>(
             return Err(EstimateError::LacksTerms { error, terms });
         }
     };
+    if carries || said.is_some() {
+        chosen.estimation = (chosen.judged)(said, carries);
+    }
     if let Some(mut offer) = offer {
         offer.taken = taken;
         if let Some(sentence) = sentence(&offer) {
@@ -205,8 +216,8 @@ struct Once<'a> {
     estimation: Estimation,
     /// What the method has predicted of the record, nats.
     evidence: f64,
-    /// The same, judged with what is known of a term that the model lacks.
-    with_missing: Box<dyn Fn(Missing) -> Estimation + 'a>,
+    /// The same, judged with what is known of a term that the model lacks, and with errors of the tables of the base carried into it.
+    judged: Box<dyn Fn(Option<Missing>, bool) -> Estimation + 'a>,
     watched: Option<HealthRun>,
     /// The terms that the equations of motion ask for, not confirmed yet, if they are to be looked for.
     offer: Option<Offer>,
@@ -248,11 +259,16 @@ fn once<'a, M: EveryRoom<N, R> + 'a, const N: usize, const R: usize>(
     let offer = if is_wanted { search(record, &task)? } else { None };
     let options = options.clone();
     let evidence = run.evidence();
-    let with_missing = Box::new(move |missing| {
+    let judged = Box::new(move |missing: Option<Missing>, carries: bool| {
         let task = Task::new(&prepared, &model, &options, &noise);
-        summarise(record, &task, &run, &doubts, Some(missing))
+        if !carries {
+            return summarise(record, &task, &run, &doubts, missing);
+        }
+        let mut wider = run.clone();
+        base_tables::carry(record, &task, &mut wider);
+        summarise(record, &task, &wider, &doubts, missing)
     });
-    Ok(Once { estimation, evidence, with_missing, watched, offer })
+    Ok(Once { estimation, evidence, judged, watched, offer })
 }
 
 /// The terms that the equations of motion ask for, where the method itself gave nothing.

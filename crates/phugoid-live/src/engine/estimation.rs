@@ -80,7 +80,7 @@ impl Estimation {
         }
     }
 
-    pub(super) fn hello(&self, publish: Publish<'_>) {
+    pub(super) fn hello(&self, now_ns: u64, publish: Publish<'_>) {
         let document = Document::Hello {
             version: env!("CARGO_PKG_VERSION"),
             source: &self.source,
@@ -89,6 +89,9 @@ impl Estimation {
             layout: self.session.layout(),
         };
         publish(DocumentKind::Hello, &document.text());
+        if let Some(message) = self.model.declared_and_not_in_bounds_of_base() {
+            publish_event(None, now_ns, &LiveEventKind::Bounds.into(), &message, publish);
+        }
     }
 
     pub(super) fn take(
@@ -177,6 +180,6 @@ impl Estimation {
         self.flight += 1;
         (self.failure, self.shown_s, self.waiting) = (None, f64::NEG_INFINITY, None);
         self.readiness = ReadinessPublished::default();
-        self.hello(publish);
+        self.hello(now_ns, publish);
     }
 }

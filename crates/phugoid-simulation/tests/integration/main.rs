@@ -17,3 +17,4 @@ mod golden_flight;
 mod known_base;
 mod scenario_options;
 mod sensors;
+mod uncertain_base;
