@@ -255,6 +255,32 @@ fn aircraft_in_daveml_and_of_tables_are_trimmed_flown_and_estimated() {
     assert!(matches!(run.code, Some(0 | 5)), "{}", run.err);
     let found = run.json()["parameters"][0]["value"].as_f64().unwrap();
     assert!((found + 0.2).abs() < 0.01, "{found}");
+    // The same where the file says how well its table of the damping in pitch is known.
+    let text = std::fs::read_to_string(&aero).unwrap();
+    let (before, after) = text.split_once("gtID=\"Cmq_table_def\">").unwrap();
+    let (references, after) = after.split_once("<dataTable>").unwrap();
+    let said =
+        "<uncertainty effect=\"percentage\"><normalPDF numSigmas=\"2\"><bounds>40</bounds></normalPDF></uncertainty>";
+    let uncertain = format!("{before}gtID=\"Cmq_table_def\">{references}{said}<dataTable>{after}");
+    std::fs::write(folder.0.join("uncertain.dml"), uncertain).unwrap();
+    let model = std::fs::read_to_string(folder.0.join("model.toml")).unwrap();
+    let model = model.replace(&format!("file = {aero:?}"), "file = \"uncertain.dml\"");
+    std::fs::write(folder.0.join("uncertain.toml"), model).unwrap();
+    let estimate = ["estimate", "flight/measured.csv", "--model", "uncertain.toml"];
+    let run = phugoid(&folder.0, &[estimate.as_slice(), &["--json"]].concat());
+    assert!(matches!(run.code, Some(0 | 5)), "{}", run.err);
+    let document = run.json();
+    let parameter = &document["parameters"][0];
+    assert_eq!(parameter["value"].as_f64().unwrap(), found);
+    let parts = parameter["systematic_parts"].as_array().unwrap();
+    let part = parts.iter().find(|part| part["quantity"] == "base").unwrap();
+    assert!(part["share"].as_f64().unwrap() > 0.1 && part["effect"].as_f64().unwrap().abs() > 0.002, "{part}");
+    let run = phugoid(&folder.0, &[estimate.as_slice(), &["--no-report"]].concat());
+    for words in ["tables of the base ", "states of its tables and numbers, 1 of them: table of Cmq."] {
+        assert!(run.out.contains(words), "{}", run.out);
+    }
+    let run = phugoid(&folder.0, &["estimate", "--model", "uncertain.toml", "--show-uncertainty"]);
+    assert!(run.out.contains("as stated") && run.out.contains("the uncertainty elements of DAVE-ML"), "{}", run.out);
 
     let Some(tables) = shared_file("f16/tp1538/tp1538_tables.json") else { return };
     let at = ["--property", "cg=0.30", "--altitude", "15000ft", "--speed", "500ft/s", "--json"];

@@ -197,10 +197,10 @@ impl Uncertainty {
         }
         for quantity in UncertainQuantity::ALL {
             let key = quantity.key();
-            let is_word =
-                matches!(section.get(key).map(Spanned::get_ref), Some(DeValue::String(word)) if word == ELEMENTS);
-            if quantity == UncertainQuantity::BaseTables && is_word {
-                own.base = BaseUncertainty::Elements;
+            if quantity == UncertainQuantity::BaseTables {
+                if let Some(base) = Self::of_base(&section, has_known)? {
+                    own.base = base;
+                }
                 continue;
             }
             let (dimension, most, expected) = match quantity.unit() {
@@ -214,16 +214,32 @@ impl Uncertainty {
             if !(0.0..=most).contains(&value) {
                 return Err(section.error(key, format!("`{key}` is {value}: expected one sigma as {expected}")));
             }
-            match own.place(quantity) {
-                Some(place) => *place = value,
-                None if has_known => own.base = BaseUncertainty::Part(value),
-                None => {
-                    let message = "`base` is of increments to the aircraft of a file, and this model has none: `base` of the model file is no path";
-                    return Err(section.error(key, message));
-                }
+            if let Some(place) = own.place(quantity) {
+                *place = value;
             }
         }
         Ok(own)
+    }
+
+    /// The key `base`: a part of each coefficient, or a word for what the file of the base says. `None` without the key.
+    fn of_base(section: &Section, has_known: bool) -> Result<Option<BaseUncertainty>, ModelFileError> {
+        let key = UncertainQuantity::BaseTables.key();
+        let Some(given) = section.get(key).map(Spanned::get_ref) else { return Ok(None) };
+        if !has_known {
+            let message = "`base` under [uncertainty] is of increments to the aircraft of a file, and this model file names none: its own `base` \
+                           is no path";
+            return Err(section.error(key, message));
+        }
+        if matches!(given, DeValue::String(word) if word == ELEMENTS) {
+            return Ok(Some(BaseUncertainty::Elements));
+        }
+        match section.number(key, Dimension::NUMBER)? {
+            Some(part) if (0.0..=0.5).contains(&part) => Ok(Some(BaseUncertainty::Part(part))),
+            _ => Err(section.error(
+                key,
+                format!("`{key}` is one sigma as a part of each coefficient, 0 to 0.5, or \"{ELEMENTS}\" for what the file of the base says"),
+            )),
+        }
     }
 
     /// The number of a quantity; none of that which is no number alone.
@@ -444,6 +460,8 @@ mod tests {
         assert!(!powers.follows());
         let message = with("[uncertainty]\nsurface_skew = 3").unwrap_err().to_string();
         assert!(message.contains("surface_skew") && message.contains("a time, 0 to 1 s"), "{message}");
+        let message = with("[uncertainty]\nbase = 0.05").unwrap_err().to_string();
+        assert!(message.contains("names none"), "{message}");
         let light = unstated().replace("mass = ", "mass = \"12 kg\" #");
         let light = ModelFile::parse("mine.toml", &light).unwrap().uncertainty;
         assert_eq!(light, Uncertainty { by_default: true, ..Uncertainty::UNMANNED });

@@ -105,7 +105,8 @@ fn pipeline_of<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     health: Option<&HealthOptions>,
     progress: &mut dyn FnMut(f64),
 ) -> Result<(Estimation, Option<HealthRun>), EstimateError> {
-    let carries = base_tables::is_wanted(model, options);
+    // A health monitor is about what is known in flight.
+    let carries = health.is_none() && base_tables::is_wanted(model, options);
     // The runs with moved tables of the base take the second half.
     let part = if carries { 0.5 } else { 1.0 };
     let progress = &mut |done: f64| progress(part * done);
