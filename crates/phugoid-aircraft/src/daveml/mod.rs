@@ -52,6 +52,7 @@
 mod axis;
 mod checks;
 mod delaunay;
+mod deviation;
 mod document;
 mod error;
 mod functions;

@@ -5,9 +5,9 @@ use std::sync::Arc;
 
 use phugoid_flight_dynamics::scalar::Scalar;
 
+use super::deviation::Move;
 use super::document::{Function, Header, Role, StaticShot, Variable};
 use super::error::DavemlError;
-use super::moved::Move;
 use super::program::{Evaluator, Program, Table};
 use super::scattered::Surface;
 

@@ -5,9 +5,9 @@ use std::sync::Arc;
 use phugoid_flight_dynamics::scalar::Scalar;
 
 use super::axis::Place;
+use super::deviation::{Move, Size};
 use super::functions::{Binary, Unary, holds};
 use super::gridded::Gridded;
-use super::moved::{Move, Size};
 use super::scattered::Scattered;
 
 /// An operation on the stack.
