@@ -379,6 +379,12 @@ fn correlations_enter_and_what_is_not_asked_for_changes_nothing() {
         assert!((std / p.corrected_std_error - 1.0).abs() < 1e-9, "{}", p.name);
     }
     // A live session cannot estimate again.
+    let told = |said: Said, uncertainty: &str| {
+        to_written("told", said, PITCH, uncertainty).declared_and_not_in_bounds_of_base()
+    };
+    assert!(told(ALL, elements).unwrap().contains("states of its tables and numbers (3 in all)"));
+    assert!(told(NOTHING, "base = 0.05").unwrap().contains("of which 5.0 % are declared"));
+    assert_eq!([told(NOTHING, elements), told(ALL, "class = \"none\"")], [None, None]);
     let causal = EstimateOptions { causal_only: true, ..by(Method::Smpe) };
     let found = estimated(&record, &to_written("causal", ALL, PITCH, elements), &causal);
     assert_eq!(found.parameters, plain.parameters);

@@ -145,7 +145,10 @@ impl<'a> Flight<'a> {
     pub(super) fn difference(&self, written: &Database, moved: &Database) -> f64 {
         let reference = self.in_air(&self.at_reference);
         let points = || self.samples.iter().chain([&reference]);
-        let values: Vec<[[f64; 6]; 2]> = points().map(|at| [written.all(at), moved.all(at)]).collect();
+        // Where the file itself has no number there is nothing to compare with.
+        let has_numbers = |[written, _]: &[[f64; 6]; 2]| written.iter().all(|value| value.is_finite());
+        let values: Vec<[[f64; 6]; 2]> =
+            points().map(|at| [written.all(at), moved.all(at)]).filter(has_numbers).collect();
         let count = values.len() as f64;
         let mut largest = 0.0;
         for coefficient in self.file.axes.coefficients() {

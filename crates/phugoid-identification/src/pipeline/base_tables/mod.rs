@@ -105,7 +105,11 @@ pub(super) fn carry<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     };
     let mut found = on_large_stacks(jobs, again);
     let nominal = if is_again { found.pop().and_then(Result::ok) } else { Some(Found::of(run)) };
-    let Some(nominal) = nominal else { return };
+    let Some(nominal) = nominal else {
+        let failed: Vec<String> = moved.iter().map(|element| element.name.clone()).collect();
+        run.said_of_base = Some(said(task.file, &[], &left_out, &failed, true));
+        return;
+    };
     let own = flight.own(&written);
     let mut effects = Vec::new();
     let mut failed = Vec::new();
@@ -366,7 +370,7 @@ fn said(file: &ModelFile, carried: &[String], left_out: &[String], failed: &[Str
     if !failed.is_empty() {
         let _ = write!(
             text,
-            " With these moved by their uncertainty there was no estimate, so that they are not in the bounds: {}.",
+            " With these moved by their uncertainty there was no estimate to compare with, so that they are not in the bounds: {}.",
             some(failed)
         );
     }
