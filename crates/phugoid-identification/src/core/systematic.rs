@@ -37,6 +37,7 @@ pub enum UncertainQuantity {
     Thrust,
     /// Tables and numbers of the aircraft of a file that increments are estimated to (`base`). No constant of a motion: the estimate
     /// is made again with each of them moved.
+    #[serde(rename = "base")]
     BaseTables,
 }
 
@@ -241,4 +242,18 @@ pub(crate) fn in_words(parts: &[SystematicPart], most: usize) -> String {
         words.push(words_of("others", rest));
     }
     words.join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::UncertainQuantity;
+
+    /// The order of the list is that of the variants, by which sums are kept, and results have the words of the model file.
+    #[test]
+    fn a_quantity_is_written_as_its_key() {
+        for (place, quantity) in UncertainQuantity::ALL.into_iter().enumerate() {
+            assert_eq!(place, quantity as usize);
+            assert_eq!(serde_json::to_string(&quantity).unwrap(), format!("\"{}\"", quantity.key()));
+        }
+    }
 }
