@@ -138,58 +138,137 @@ pub const CHANNELS: &[ChannelSpec] = &[
 pub const FOREIGN: &[(&str, &[&str])] = &[
     (
         "true_airspeed",
-        &["fahrt_tas", "wahre_fluggeschwindigkeit", "vitesse_vraie", "vitesse_propre", "velocidad_verdadera"],
+        &[
+            "fahrt_tas",
+            "fahrtmesser_tas",
+            "wahre_fahrt",
+            "wahre_fluggeschwindigkeit",
+            "wahre_eigengeschwindigkeit",
+            "vitesse_vraie",
+            "vitesse_propre",
+            "velocidad_verdadera",
+        ],
     ),
-    ("calibrated_airspeed", &["fahrt_cas", "vitesse_conventionnelle", "velocidad_calibrada"]),
+    ("calibrated_airspeed", &["fahrt_cas", "fahrtmesser_cas", "vitesse_conventionnelle", "velocidad_calibrada"]),
     (
         "indicated_airspeed",
-        &["fahrt_ias", "angezeigte_fluggeschwindigkeit", "vitesse_indiquée", "vitesse_indiquee", "velocidad_indicada"],
+        &[
+            "fahrt_ias",
+            "fahrtmesser",
+            "fahrtmesser_ias",
+            "fahrtmesseranzeige",
+            "angezeigte_fahrt",
+            "angezeigte_fluggeschwindigkeit",
+            "angezeigte_eigengeschwindigkeit",
+            "vitesse_indiquée",
+            "vitesse_indiquee",
+            "velocidad_indicada",
+        ],
     ),
-    ("alpha", &["anstellwinkel", "incidence", "angle_d_incidence", "ángulo_de_ataque", "angulo_de_ataque"]),
-    ("beta", &["schiebewinkel", "dérapage", "derapage", "ángulo_de_derrape", "angulo_de_derrape"]),
-    ("theta", &["nickwinkel", "assiette", "assiette_longitudinale", "ángulo_de_cabeceo", "angulo_de_cabeceo"]),
+    (
+        "alpha",
+        &[
+            "anstellwinkel",
+            "anstellwinkel_alpha",
+            "anstellwinkel_alfa",
+            "incidence",
+            "angle_d_incidence",
+            "ángulo_de_ataque",
+            "angulo_de_ataque",
+        ],
+    ),
+    (
+        "beta",
+        &["schiebewinkel", "schiebewinkel_beta", "dérapage", "derapage", "ángulo_de_derrape", "angulo_de_derrape"],
+    ),
+    (
+        "theta",
+        &[
+            "nickwinkel",
+            "längsneigung",
+            "laengsneigung",
+            "längsneigungswinkel",
+            "laengsneigungswinkel",
+            "assiette",
+            "assiette_longitudinale",
+            "ángulo_de_cabeceo",
+            "angulo_de_cabeceo",
+        ],
+    ),
     (
         "phi",
         &[
             "hängewinkel",
             "haengewinkel",
             "rollwinkel",
+            "querneigung",
+            "querneigungswinkel",
+            "querlage",
             "roulis",
             "angle_de_roulis",
             "ángulo_de_alabeo",
             "angulo_de_alabeo",
         ],
     ),
-    ("p", &["rollrate", "vitesse_de_roulis", "taux_de_roulis", "velocidad_de_alabeo"]),
-    ("q", &["nickrate", "vitesse_de_tangage", "taux_de_tangage", "velocidad_de_cabeceo"]),
-    ("r", &["gierrate", "vitesse_de_lacet", "taux_de_lacet", "velocidad_de_guiñada"]),
+    ("psi", &["gierwinkel", "steuerkurs"]),
+    ("p", &["rollrate", "rollgeschwindigkeit", "vitesse_de_roulis", "taux_de_roulis", "velocidad_de_alabeo"]),
+    ("q", &["nickrate", "nickgeschwindigkeit", "vitesse_de_tangage", "taux_de_tangage", "velocidad_de_cabeceo"]),
+    ("r", &["gierrate", "giergeschwindigkeit", "vitesse_de_lacet", "taux_de_lacet", "velocidad_de_guiñada"]),
     (
         "elevator",
         &[
             "höhenruder",
             "hoehenruder",
+            "höhenruderausschlag",
+            "hoehenruderausschlag",
+            "höhenruderwinkel",
+            "hoehenruderwinkel",
             "profondeur",
             "gouverne_de_profondeur",
             "timón_de_profundidad",
             "timon_de_profundidad",
         ],
     ),
-    ("aileron", &["querruder", "ailerons", "alerones"]),
-    ("rudder", &["seitenruder", "gouverne_de_direction", "timón_de_dirección", "timon_de_direccion"]),
+    ("aileron", &["querruder", "querruderausschlag", "querruderwinkel", "ailerons", "alerones"]),
+    (
+        "rudder",
+        &[
+            "seitenruder",
+            "seitenruderausschlag",
+            "seitenruderwinkel",
+            "gouverne_de_direction",
+            "timón_de_dirección",
+            "timon_de_direccion",
+        ],
+    ),
     ("altitude", &["höhe", "hoehe", "altitud"]),
     ("pressure_altitude", &["druckhöhe", "druckhoehe", "altitude_pression", "altitud_de_presión"]),
+    ("dynamic_pressure", &["staudruck", "pression_dynamique", "presión_dinámica", "presion_dinamica"]),
+    ("static_pressure", &["statischer_druck", "pression_statique", "presión_estática", "presion_estatica"]),
+    ("air_density", &["luftdichte"]),
     ("thrust", &["schub", "poussée", "poussee", "empuje"]),
     ("mass", &["masse", "masa"]),
 ];
 
-/// Names that could mean several channels, and the channels that they could mean. A column of such a name becomes a
-/// known channel only if its unit leaves one meaning.
+/// Names that could mean several channels, or one channel and something else, and the channels that they could mean. A
+/// column of such a name becomes a known channel only if its unit leaves one meaning.
+///
+/// LN 9300 and ISO 1151 write eta, xi and zeta for the elevator, the ailerons and the rudder, with the signs of
+/// [`CHANNELS`] (a positive deflection gives a negative moment). An efficiency and a damping ratio have these letters too,
+/// so that the unit of an angle has to be there. A German `Fahrt` is mostly what the airspeed indicator shows, but not
+/// always; at altitude the true airspeed is another one by tens of per cent.
 pub const AMBIGUOUS: &[(&str, &[&str])] = &[
     ("airspeed", &["true_airspeed", "calibrated_airspeed", "indicated_airspeed"]),
     ("speed", &["true_airspeed", "calibrated_airspeed", "indicated_airspeed", "ground_speed"]),
     ("velocity", &["true_airspeed", "ground_speed"]),
     ("v", &["true_airspeed", "v"]),
     ("m", &["mach", "mass"]),
+    ("fahrt", &["indicated_airspeed", "calibrated_airspeed", "true_airspeed"]),
+    ("fluggeschwindigkeit", &["true_airspeed", "calibrated_airspeed", "indicated_airspeed", "ground_speed"]),
+    ("eigengeschwindigkeit", &["true_airspeed", "calibrated_airspeed", "indicated_airspeed"]),
+    ("eta", &["elevator"]),
+    ("xi", &["aileron"]),
+    ("zeta", &["rudder"]),
 ];
 
 /// The channel with exactly this canonical name, or `None`.
@@ -204,8 +283,8 @@ pub fn by_any_name(name: &str) -> Vec<&'static ChannelSpec> {
     CHANNELS
         .iter()
         .filter(|channel| {
-            let foreign = FOREIGN.iter().filter(|(name, _)| *name == channel.name).flat_map(|(_, names)| *names);
-            key_is(channel.name, &key) || channel.synonyms.iter().chain(foreign).any(|synonym| key_is(synonym, &key))
+            let mut names = channel.synonyms.iter().copied().chain(foreign(channel.name));
+            key_is(channel.name, &key) || names.any(|name| key_is(name, &key))
         })
         .collect()
 }
@@ -216,6 +295,11 @@ const MIN_SIMILARITY: f64 = 0.75;
 /// The canonical name of the channel whose name or synonym is most similar to a misspelt name; `None` if none is
 /// similar.
 pub fn nearest(name: &str) -> Option<&'static str> {
+    nearest_spelling(name).map(|(name, _)| name)
+}
+
+/// The name, synonym or foreign name that is most similar to a misspelt name, behind the canonical name of its channel.
+pub(crate) fn nearest_spelling(name: &str) -> Option<(&'static str, &'static str)> {
     let key = key(name);
     // Short names are all similar to each other, so that only swapped letters count (`beat`: beta). For the same reason
     // synonyms such as `delta_e` are left out below.
@@ -230,26 +314,33 @@ pub fn nearest(name: &str) -> Option<&'static str> {
     let near_enough = |spelling: &str| key.len() > 4 || letters(&key) == letters(spelling);
     let spellings = CHANNELS.iter().flat_map(|channel| {
         let synonyms = channel.synonyms.iter().filter(|synonym| synonym.len() > 3 && !synonym.starts_with("delta_"));
-        std::iter::once(channel.name).chain(synonyms.copied()).map(move |spelling| (channel.name, spelling))
+        let names = std::iter::once(channel.name).chain(synonyms.copied()).chain(foreign(channel.name));
+        names.map(move |spelling| (channel.name, spelling))
     });
     spellings
         .filter(|(_, spelling)| may_be_similar(spelling, &key))
         .map(|(name, spelling)| (name, spelling, strsim::normalized_damerau_levenshtein(&key, &self::key(spelling))))
         .filter(|&(_, spelling, likeness)| likeness >= MIN_SIMILARITY && near_enough(spelling))
         .max_by(|a, b| a.2.total_cmp(&b.2))
-        .map(|(name, ..)| name)
+        .map(|(name, spelling, _)| (name, spelling))
+}
+
+/// The foreign names of a channel.
+fn foreign(canonical: &str) -> impl Iterator<Item = &'static str> {
+    FOREIGN.iter().filter(move |(name, _)| *name == canonical).flat_map(|(_, names)| *names).copied()
 }
 
 /// False for most words that are not similar, without computing the distance: an edit changes the length by at most
 /// one, and adds or removes at most one letter.
 fn may_be_similar(spelling: &str, key: &str) -> bool {
-    let length = spelling.bytes().filter(|&b| b != b'_').count();
-    let edits = ((1.0 - MIN_SIMILARITY) * length.max(key.len()) as f64) as u32;
+    // Of characters, as the distance counts them: an umlaut is one.
+    let (length, key_length) = (spelling.chars().filter(|&c| c != '_').count(), key.chars().count());
+    let edits = ((1.0 - MIN_SIMILARITY) * length.max(key_length) as f64) as u32;
     let letters = |text: &str| {
         text.bytes().filter(u8::is_ascii_lowercase).fold(0_u32, |letters, byte| letters | 1 << (byte - b'a'))
     };
     let (ours, theirs) = (letters(spelling), letters(key));
-    length.abs_diff(key.len()) <= edits as usize
+    length.abs_diff(key_length) <= edits as usize
         && (ours & !theirs).count_ones() <= edits
         && (theirs & !ours).count_ones() <= edits
 }
@@ -277,7 +368,10 @@ fn greek(letter: char) -> Option<&'static str> {
         'β' | 'Β' | 'ϐ' => "beta",
         'γ' | 'Γ' => "gamma",
         'δ' | 'Δ' => "delta",
+        'ζ' => "zeta",
+        'η' => "eta",
         'θ' | 'ϑ' | 'Θ' => "theta",
+        'ξ' => "xi",
         'ρ' => "rho",
         'φ' | 'ϕ' | 'Φ' => "phi",
         'ψ' | 'Ψ' => "psi",
@@ -313,9 +407,19 @@ mod tests {
                 assert_eq!(found, [*name], "{spelling}");
             }
         }
-        for (header, name) in
-            [("Fahrt TAS", "true_airspeed"), ("Vitesse vraie", "true_airspeed"), ("Höhenruder", "elevator")]
-        {
+        for (header, name) in [
+            ("Fahrt TAS", "true_airspeed"),
+            ("Fahrtmesser TAS", "true_airspeed"),
+            ("Wahre Eigengeschwindigkeit", "true_airspeed"),
+            ("Fahrtmesser", "indicated_airspeed"),
+            ("Vitesse vraie", "true_airspeed"),
+            ("Querneigung", "phi"),
+            ("Höhenruder", "elevator"),
+            ("Höhenruderausschlag", "elevator"),
+            ("Querruderausschlag", "aileron"),
+            ("Seitenruderausschlag", "rudder"),
+            ("Staudruck", "dynamic_pressure"),
+        ] {
             assert_eq!(by_any_name(header).first().map(|spec| spec.name), Some(name), "{header}");
         }
     }
@@ -332,7 +436,9 @@ mod tests {
     /// The quick comparison never rejects a name that the full comparison would find.
     #[test]
     fn the_quick_comparison_agrees_with_the_full_one() {
-        let words = CHANNELS.iter().flat_map(|c| std::iter::once(c.name).chain(c.synonyms.iter().copied()));
+        let words = CHANNELS
+            .iter()
+            .flat_map(|c| std::iter::once(c.name).chain(c.synonyms.iter().copied()).chain(foreign(c.name)));
         let words: Vec<String> = words.map(key).filter(|word| word.len() > 3).collect();
         for word in &words {
             for (index, letter) in word.char_indices() {
@@ -355,6 +461,10 @@ mod tests {
         assert_eq!(nearest("True_Airsped"), Some("true_airspeed"));
         assert_eq!(nearest("pich_rate"), Some("q"));
         assert_eq!(nearest("beat"), Some("beta"));
+        assert_eq!(nearest("Hohenruder"), Some("elevator"));
+        assert_eq!(nearest_spelling("Höhenuder"), Some(("elevator", "höhenruder")));
+        assert_eq!(nearest("Anstelwinkel"), Some("alpha"));
+        assert_eq!(nearest("Gierwinkle"), Some("psi"));
         assert_eq!(nearest("flag"), None);
         assert_eq!(nearest("q1"), None);
         assert_eq!(nearest("humidity"), None);

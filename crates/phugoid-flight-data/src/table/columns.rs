@@ -400,6 +400,14 @@ fn doubtful(place: &str, header: &str, doubt: &Doubt, meanings: &Meanings, repor
                 ),
             );
         }
+        Doubt::Ambiguous(meanings) if meanings.len() == 1 => report.warn(
+            place,
+            format!(
+                "could be {} or something else; not guessed without a unit, kept as a channel of its own. Write its unit \
+                 into the header, or map it",
+                meanings.join("")
+            ),
+        ),
         Doubt::Ambiguous(meanings) => report.warn(
             place,
             format!(

@@ -98,7 +98,7 @@ fn with_unit(header: &str, name: &str, unit_text: &str) -> Result<Meaning, Confl
             return Ok(known);
         }
         let unit = found.first().copied();
-        return Ok(Meaning::Unknown { name: name.to_owned(), unit, doubt: Some(Doubt::Ambiguous(meanings.to_vec())) });
+        return Ok(Meaning::Unknown { name: name.to_owned(), unit, doubt: doubt_of(meanings, unit) });
     }
     let specs = channels::by_any_name(name);
     for spec in &specs {
@@ -150,7 +150,7 @@ fn with_suffix(header: &str) -> Meaning {
             if let Some(known) = only_one(meanings, &found) {
                 return known;
             }
-            return unknown(name, Some(*first), Some(Doubt::Ambiguous(meanings.to_vec())));
+            return unknown(name, Some(*first), doubt_of(meanings, Some(*first)));
         }
         let specs = channels::by_any_name(name);
         for spec in &specs {
@@ -196,6 +196,13 @@ const UNMISTAKABLE: &[&str] = &[
 fn ambiguous(name: &str) -> Option<&'static [&'static str]> {
     let key = channels::key(name);
     AMBIGUOUS.iter().find(|(ambiguous, _)| *ambiguous == key).map(|(_, meanings)| *meanings)
+}
+
+/// The doubt about a name that could mean these channels. A unit that the only one of them does not have says that the
+/// column is something else: `eta [%]` is an efficiency.
+fn doubt_of(meanings: &[&'static str], unit: Option<Unit>) -> Option<Doubt> {
+    let something_else = meanings.len() == 1 && unit.is_some();
+    (!something_else).then(|| Doubt::Ambiguous(meanings.to_vec()))
 }
 
 /// The only channel among the meanings whose quantity has this unit: `m_kg` is the mass. `None` if there is none or
@@ -318,6 +325,16 @@ mod tests {
             ("w_m_s", "w", Some("m_s")),
             ("air_density_kg_m3", "air_density", Some("kg_m3")),
             ("iyy_slug_ft2", "iyy", Some("slug_ft2")),
+            ("η [°]", "elevator", Some("deg")),
+            ("ξ [deg]", "aileron", Some("deg")),
+            ("ζ (rad)", "rudder", Some("rad")),
+            ("eta_deg", "elevator", Some("deg")),
+            ("Fahrtmesser TAS [kt]", "true_airspeed", Some("kt")),
+            ("Fahrtmesser [kt]", "indicated_airspeed", Some("kt")),
+            ("Wahre Eigengeschwindigkeit [km/h]", "true_airspeed", Some("km_h")),
+            ("Querneigung [°]", "phi", Some("deg")),
+            ("Höhenruderausschlag [°]", "elevator", Some("deg")),
+            ("Staudruck [hPa]", "dynamic_pressure", Some("hpa")),
         ] {
             assert_eq!(known(header), (name.to_owned(), unit), "{header}");
         }
@@ -334,6 +351,9 @@ mod tests {
             ("pilot_command_rad", "pilot_command", Some("rad")),
             ("probe temp rise [K]", "probe temp rise", Some("k")),
             ("mode [auto]", "mode [auto]", None),
+            ("η [%]", "η", Some("pct")),
+            ("zeta [-]", "zeta", Some("-")),
+            ("ETA [s]", "ETA", Some("s")),
         ] {
             assert_eq!(unknown(header), (name.to_owned(), unit, None), "{header}");
         }
@@ -343,6 +363,8 @@ mod tests {
     fn doubtful_headers_are_not_guessed() {
         assert!(matches!(unknown("airspeed_kt").2, Some(Doubt::Ambiguous(_))));
         assert!(matches!(unknown("V").2, Some(Doubt::Ambiguous(_))));
+        assert!(matches!(unknown("Fahrt [kt]").2, Some(Doubt::Ambiguous(_))));
+        assert!(matches!(unknown("ζ").2, Some(Doubt::Ambiguous(_))));
         assert!(matches!(unknown("aplha_deg").2, Some(Doubt::Near("alpha"))));
         // The letter is no temperature; whether it is the pitch attitude only the user knows.
         assert_eq!(unknown("theta_c"), ("theta_c".into(), None, Some(Doubt::Near("theta"))));

@@ -220,6 +220,35 @@ fn ambiguous_headers_are_not_guessed() {
     assert_eq!(values(&record, "v"), [1.0, 2.0]);
 }
 
+/// The letters of LN 9300 for the surfaces, with a unit in brackets and in a row of units, and names of German flight tests.
+#[test]
+fn names_of_german_flight_tests() {
+    let record = good("Zeit [s];η [°];ξ [°];ζ [°];Staudruck [hPa]\n0;1,5;0,5;-2,5;44,5\n1;2,5;0,5;-2,5;44,7\n");
+    for (name, first) in [("elevator", 1.5_f64), ("aileron", 0.5), ("rudder", -2.5)] {
+        assert_eq!(values(&record, name)[0], first.to_radians(), "{name}");
+    }
+    assert_eq!(values(&record, "dynamic_pressure"), [4450.0, 4470.0]);
+    let record =
+        good("Zeit;η;Querneigung;Wahre Eigengeschwindigkeit\n[s];[°];[°];[kt]\n0;1,5;3;100,5\n1;2,5;4;100,6\n");
+    assert_eq!(values(&record, "elevator")[0], 1.5_f64.to_radians());
+    assert_eq!(values(&record, "phi")[0], 3_f64.to_radians());
+    assert!(record.channel("true_airspeed").is_some());
+    // An efficiency has this letter too.
+    let record = good("Zeit [s];η\n0;0,5\n1;0,6\n");
+    says(&record, &["'η'", "could be elevator or something else", "without a unit"]);
+    assert!(record.channel("elevator").is_none());
+}
+
+/// What an airspeed indicator shows is not silently a true airspeed.
+#[test]
+fn a_german_fahrt_is_not_guessed() {
+    let record = good("Zeit [s];Fahrt [kt];Alpha [°]\n0;100,5;1\n1;101,5;2\n");
+    says(&record, &["'Fahrt [kt]'", "indicated_airspeed or calibrated_airspeed or true_airspeed", "not guessed"]);
+    assert!(record.channel("true_airspeed").is_none() && record.channel("indicated_airspeed").is_none());
+    let record = good("Zeit [s];Fahrtmesser TAS [kt];Fahrtmesser [kt]\n0;100,5;90\n1;101,5;91\n");
+    assert!(record.channel("true_airspeed").is_some() && record.channel("indicated_airspeed").is_some());
+}
+
 #[test]
 fn a_unit_of_another_quantity_is_not_used() {
     let record = good("time_s,alpha_kt,q (vane)\n0,1,1\n1,2,2\n");

@@ -41,7 +41,12 @@ fn foreign() -> String {
 
 fn ambiguous() -> String {
     AMBIGUOUS.iter().fold(String::new(), |mut list, (name, meanings)| {
-        let rule = if *name == "v" { " (beside `u` or `w` it is the lateral velocity)" } else { "" };
+        let rule = match (*name, meanings.len()) {
+            ("v", _) => " (beside `u` or `w` it is the lateral velocity)",
+            ("fahrt", _) => " (`fahrt_ias`, `fahrt_tas` and `fahrtmesser` are understood)",
+            (_, 1) => " or something else (with a unit of angle it is this surface)",
+            _ => "",
+        };
         writeln!(list, "- `{name}` could be {}{rule}", quoted(meanings)).unwrap();
         list
     })
