@@ -356,9 +356,10 @@ fn best_delimiter(rows: &[&str], with: impl Fn(Delimiter) -> Format) -> Delimite
             best = (candidate, agreeing, header);
         }
     }
-    // Below titles the header is not the first row: the number of cells that most rows have tells.
-    let first_alone = best.1 <= 1;
-    for candidate in DELIMITERS.into_iter().filter(|_| first_alone && rows.len() > 3) {
+    // Below titles the header is not the first row: the number of cells that most rows have tells. Two titles may agree with each
+    // other by chance, as in their blanks.
+    let few_as_first = best.1 <= 1 || 2 * best.1 < rows.len();
+    for candidate in DELIMITERS.into_iter().filter(|_| few_as_first && rows.len() > 3) {
         let format = with(candidate);
         let counts: Vec<usize> = rows.iter().map(|row| format.cells(row, &mut scratch).len()).collect();
         let (cells, agreeing) = most_frequent(&counts);

@@ -785,6 +785,16 @@ fn titles_above_a_table_are_left_out() {
         assert_eq!(record.time, [0.0, 0.1, 0.2]);
         says(&record, &["lines 1 to 2", "not part of the table"]);
     }
+    // Titles with fewer separators than the header, which have the same number of words.
+    let table = "Datum;Uhrzeit;TAS [kt];Nickwinkel [°];q [°/s]\n";
+    let rows: String = (0..4).map(|row| format!("12.06.2024;10:15:3{row},000;120,4{row};0,25{row};0,1\n")).collect();
+    for titles in
+        ["Flugversuch 17;;;\nDatum: 12.06.2024;;\n", "Flugversuch 17;;;\n", "Flug 17\nPilot: A;;\nMuster: C;\n"]
+    {
+        let record = good(&format!("{titles}{table}{rows}"));
+        assert_eq!(values(&record, "theta")[1], 0.251_f64.to_radians(), "{titles}");
+        says(&record, &["not part of the table"]);
+    }
     // A short row that ends a table is none.
     assert_eq!(good("time_s,alpha_rad,q_rad_s\n0,1,2\n1,1,2\n2,1\n").time.len(), 2);
 }
