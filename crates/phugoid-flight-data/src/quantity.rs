@@ -1,6 +1,7 @@
 //! Numbers with units in text: `20000ft`, `-2 deg`, `300 ft^2`, `55814 slug*ft^2`.
 //!
-//! Command lines, scenario files and model files all read them here. The factors are those of [`crate::units`].
+//! Command lines, scenario files and model files all read them here. The factors are those of [`crate::units`]. A decimal comma
+//! is understood (`4,5 s`), unless it may as well separate thousands (`1,034 kg`).
 //!
 //! ```
 //! use phugoid_flight_data::quantity::{Dimension, QuantityError};
@@ -175,6 +176,9 @@ impl Dimension {
     /// `1ev` the `e` belongs to the unit.
     fn split<'a>(&self, text: &'a str) -> Result<(f64, &'a str), QuantityError> {
         let trimmed = text.trim();
+        if let Some(read) = with_comma(trimmed) {
+            return read;
+        }
         // `inf` and `nan` parse as numbers in Rust and are none here.
         let end = trimmed.find(|c: char| !(c.is_ascii_digit() || "+-.eE_".contains(c))).unwrap_or(trimmed.len());
         (1..=end)
@@ -265,6 +269,49 @@ impl Dimension {
     }
 }
 
+/// Separates a number with a comma in it from its unit; `None` where the text begins with no such number. A comma is a decimal one,
+/// as in the files that are read, unless it may as well separate thousands.
+fn with_comma(text: &str) -> Option<Result<(f64, &str), QuantityError>> {
+    let end = text.find(|c: char| !(c.is_ascii_digit() || "+-.,".contains(c))).unwrap_or(text.len());
+    let (number, rest) = text.split_at_checked(end)?;
+    let last = number.rfind([',', '.'])?;
+    let (whole, decimals) = (number.get(..last)?, number.get(last + 1..)?);
+    let digits = whole.trim_start_matches(['+', '-']);
+    if !number.contains(',') || decimals.is_empty() || digits.is_empty() || whole.len() > digits.len() + 1 {
+        return None;
+    }
+    let plain = |text: &str| text.bytes().all(|byte| byte.is_ascii_digit());
+    let point = format!("{whole}.{decimals}");
+    match plain(digits) && plain(decimals) {
+        // `0,050` and `1034,250` are no groups of three.
+        true if decimals.len() == 3 && digits.len() <= 3 && !digits.starts_with('0') => {
+            let (text, thousands) = (text.to_owned(), format!("{whole}{decimals}{rest}"));
+            Some(Err(QuantityError::PointOrThousands { text, point: format!("{point}{rest}"), thousands }))
+        }
+        true => {
+            // What stands behind it may be an exponent: `1,5e3`.
+            let with_point = format!("{point}{rest}");
+            let ends = (1..=with_point.len()).rev().filter(|&end| end >= point.len());
+            let (value, end) = ends
+                .filter_map(|end| Some((with_point.get(..end)?.parse::<f64>().ok()?, end)))
+                .find(|(value, _)| value.is_finite())?;
+            Some(Ok((value, text.get(end..)?.trim())))
+        }
+        // Marks of thousands in front of decimals, or several of them.
+        false => {
+            let groups: Vec<&str> = number.trim_start_matches(['+', '-']).split([',', '.']).collect();
+            let all_plain = groups.iter().all(|group| !group.is_empty() && plain(group));
+            let mark = whole.chars().find(|c| matches!(c, ',' | '.'))?;
+            let without = |text: &str| text.replace([',', '.'], "");
+            let written = match number.get(last..)?.starts_with(mark) {
+                true => format!("{}{rest}", without(number)),
+                false => format!("{}.{decimals}{rest}", without(whole)),
+            };
+            all_plain.then(|| Err(QuantityError::Thousands { text: text.to_owned(), written }))
+        }
+    }
+}
+
 /// Splits `ft^2`, `ft2` or `s^-1` into the unit and its power; `None` if the power is no whole number from -6 to 6.
 fn name_and_power(word: &str) -> Option<(&str, i32)> {
     let (name, power) = match word.split_once('^') {
@@ -305,6 +352,26 @@ pub enum QuantityError {
         first: &'static str,
         /// Examples of units of the wanted dimension, separated by commas.
         units: String,
+    },
+    /// A comma with three digits behind it: a decimal comma, or one between thousands.
+    #[error(
+        "`{text}` can be read as `{point}` or as `{thousands}`: write the one that is meant, with a point or without a mark"
+    )]
+    PointOrThousands {
+        /// The text as it was written.
+        text: String,
+        /// With the comma as a decimal one.
+        point: String,
+        /// With the comma between thousands.
+        thousands: String,
+    },
+    /// The number has marks between its thousands.
+    #[error("`{text}` has marks between thousands: write the number without them, as in `{written}`")]
+    Thousands {
+        /// The text as it was written.
+        text: String,
+        /// The number without marks of thousands, and with a decimal point.
+        written: String,
     },
     /// The unit is known, but is a unit of another dimension.
     #[error("`{unit}` in `{text}` is not a unit of {kind}: expected {units} or its like")]
@@ -413,6 +480,14 @@ mod tests {
         close("0.6 lb/lbf/h", Dimension::FUEL_BY_THRUST, 0.6 / 9.806_65 / 3600.0);
         close("0.3 kg/kW/h", Dimension::FUEL_BY_POWER, 0.3 / 1000.0 / 3600.0);
         close("30 %", Dimension::NUMBER, 0.3);
+        // Decimal commas, where they can be nothing else.
+        close("4,5s", Dimension::TIME, 4.5);
+        close("16,17 m2", Dimension::AREA, 16.17);
+        close("-0,050 s", Dimension::TIME, -0.05);
+        close("1034,250 kg", Dimension::MASS, 1034.25);
+        close("1,5e3m", Dimension::LENGTH, 1500.0);
+        close("1,5e-3 m", Dimension::LENGTH, 0.0015);
+        close("2,5", Dimension::NUMBER, 2.5);
         close("0.3", Dimension::NUMBER, 0.3);
         assert_eq!(Dimension::LENGTH.parse_or_si("3"), Ok(3.0));
     }
@@ -455,7 +530,29 @@ mod tests {
         assert!(error("55 ft*s", Dimension::SPEED).contains("not a unit of a speed"));
         assert!(error("5 xyzzy", Dimension::MASS).contains("kg, lb, slug"));
         assert!(error("675", Dimension::SPEED).contains("no unit") && error("675", Dimension::SPEED).contains("kt"));
-        for text in ["five", "", "5 m^99", "5 m^m", "5 ^2", "nan", "inf m", "NaNm", "1e999m", "5 degC"] {
+        let both = error("1,034 kg", Dimension::MASS);
+        assert!(both.contains("`1.034 kg` or as `1034 kg`"), "{both}");
+        assert!(error("-12,500ft", Dimension::LENGTH).contains("`-12.500ft` or as `-12500ft`"));
+        assert!(error("1.034,5 kg", Dimension::MASS).contains("as in `1034.5 kg`"));
+        assert!(error("1,034.5 kg", Dimension::MASS).contains("as in `1034.5 kg`"));
+        assert!(error("1,034,000 kg", Dimension::MASS).contains("as in `1034000 kg`"));
+        for text in [
+            "1,",
+            ",5 m",
+            "1,,5 m",
+            "--1,5 m",
+            "1,5,2.7,m",
+            "five",
+            "",
+            "5 m^99",
+            "5 m^m",
+            "5 ^2",
+            "nan",
+            "inf m",
+            "NaNm",
+            "1e999m",
+            "5 degC",
+        ] {
             assert!(Dimension::LENGTH.parse(text).is_err() && Dimension::LENGTH.parse_or_si(text).is_err(), "{text}");
         }
     }
