@@ -60,7 +60,7 @@ pub(crate) use inspect::Inspect;
 pub(crate) use keeping::Keeping;
 pub(crate) use linearize::Linearize;
 pub(crate) use monitor::Monitor;
-pub(crate) use reading::{Deleting, Further};
+pub(crate) use reading::{Deleting, Further, Moment};
 pub(crate) use regress::Regress;
 pub(crate) use reproduce::Reproduce;
 pub(crate) use simulate::Simulate;

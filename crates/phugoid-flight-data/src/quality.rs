@@ -145,6 +145,10 @@ pub struct QualityReport {
     /// messages in its log and other programs name a moment. `None` where the file has no such clock, or it began at time zero.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub clock_at_zero_us: Option<u64>,
+    /// The time of day that the clock of a table shows at time zero, seconds from midnight, as the file writes it: a time zone has
+    /// no part in it. `None` where the file has no such clock, or one that changes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub time_of_day_at_zero_s: Option<f64>,
     /// One entry per channel read from a file, time first; empty for a record made in memory.
     #[serde(default)]
     pub channels: Vec<ChannelQuality>,

@@ -3,6 +3,8 @@
 use crate::channels;
 use crate::quality::QualityReport;
 use crate::statistics;
+use crate::table::clock::{self, Clock};
+use crate::table::misspelt::{self, Misspelt};
 pub use crate::units::Quantity;
 
 /// One measured or computed signal, with one value per time of its record.
@@ -75,6 +77,20 @@ impl Record {
         })
     }
 
+    /// The columns that were kept as signals of their own and whose names are like those of channels that the record lacks.
+    ///
+    /// ```
+    /// use phugoid_flight_data::csv::{self, CsvOptions};
+    /// let text = "time_s,alpha_deg,elevatr_deg\n0,1,2\n1,1,2\n";
+    /// let record = csv::read(text.as_bytes(), "flight.csv", &CsvOptions::default())?;
+    /// let misspelt = record.misspelt();
+    /// assert_eq!((misspelt[0].header.as_str(), misspelt[0].channel), ("elevatr_deg", "elevator"));
+    /// # Ok::<(), csv::ReadError>(())
+    /// ```
+    pub fn misspelt(&self) -> Vec<Misspelt> {
+        misspelt::of(self)
+    }
+
     /// Number of samples: times, and values of each channel.
     pub fn len(&self) -> usize {
         self.time.len()
@@ -102,10 +118,77 @@ impl Record {
         Some(Self { source: self.source.clone(), time, channels, quality: self.quality.clone() })
     }
 
+    /// The time of the record, s, at which its clock shows a time of day (s from midnight), as
+    /// [`QualityReport::time_of_day_at_zero_s`] counts it.
+    ///
+    /// ```
+    /// use phugoid_flight_data::csv::{self, CsvOptions};
+    /// use phugoid_flight_data::record::time_of_day;
+    /// let text = "clock,alpha_deg\n23:59:59,1\n00:00:00,2\n00:00:01,3\n";
+    /// let record = csv::read(text.as_bytes(), "flight.csv", &CsvOptions::default())?;
+    /// let midnight = time_of_day("00:00:00").expect("it is one");
+    /// assert_eq!(record.at_time_of_day(midnight), Ok(1.0));
+    /// assert!(record.at_time_of_day(midnight + 3600.0).is_err());
+    /// # Ok::<(), csv::ReadError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`NoTimeOfDay`]: the record has no such clock, or the clock shows this time never or more than once.
+    pub fn at_time_of_day(&self, seconds: f64) -> Result<f64, NoTimeOfDay> {
+        let zero = self.quality.time_of_day_at_zero_s.ok_or(NoTimeOfDay::NoClock)?;
+        let ends = self.time.first().zip(self.time.last());
+        let (&first, &last) = ends.ok_or(NoTimeOfDay::NoClock)?;
+        let shown = |time: f64| clock::written(zero + time, false);
+        // The first time from the begin of the record on. The last digit of a time that is written may differ.
+        let time = first - 1e-6 + (seconds - zero - first + 1e-6).rem_euclid(clock::DAY);
+        // Steps of a file are as good as its digits: microseconds.
+        let time = (time * 1e6).round() / 1e6;
+        if time > last + 1e-6 {
+            return Err(NoTimeOfDay::Outside { from: shown(first), to: shown(last) });
+        }
+        match time + clock::DAY > last {
+            true => Ok(time),
+            false => Err(NoTimeOfDay::SeveralDays { hours: (last - first) / 3600.0 }),
+        }
+    }
+
     /// Median of the time steps, s (see [`statistics::median_step`]); 0 if there are fewer than two samples.
     pub fn sample_time_s(&self) -> f64 {
         statistics::median_step(&self.time).unwrap_or(0.0)
     }
+}
+
+/// The seconds from midnight of a time of day (`10:15:31`, `10:15:31.5`, `10:15:31,5`, `10:15:31 PM`, `10:15`); `None` for other
+/// texts.
+pub fn time_of_day(text: &str) -> Option<f64> {
+    Clock::written_time_of_day(text).or_else(|| Clock::written_time_of_day(&format!("{}:00", text.trim())))
+}
+
+/// Why a time of day is no time of a record.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum NoTimeOfDay {
+    /// The record does not say which time of day it was.
+    #[error(
+        "the record has no clock that shows times of day. Its times count from its beginning: write seconds, as in 4.5s"
+    )]
+    NoClock,
+    /// The record begins later or ends before.
+    #[error("by its clock the record runs from {from} to {to}")]
+    Outside {
+        /// What the clock shows at the first sample.
+        from: String,
+        /// What the clock shows at the last sample.
+        to: String,
+    },
+    /// The record has this time of day on several days.
+    #[error(
+        "the record is {hours:.0} h long, and its clock shows this time more than once: write seconds from its beginning, as in \
+         4.5s"
+    )]
+    SeveralDays {
+        /// How long the record is, h.
+        hours: f64,
+    },
 }
 
 /// Error of [`Record::require`]: the channel is not in the record.

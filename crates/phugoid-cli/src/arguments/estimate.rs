@@ -6,11 +6,10 @@ use clap::{Args, ValueEnum};
 use phugoid_identification::estimate::StructureSearch;
 use phugoid_identification::method::Method;
 use phugoid_identification::options::{Band, FlowAngles};
-use phugoid_simulation::quantity::Time;
 
 use super::help::examples_and_exit_codes;
 use super::method::method;
-use super::reading::{Deleting, Reading, flight};
+use super::reading::{Deleting, Moment, Reading, flight};
 
 /// Estimates the coefficients of an aircraft from a recorded flight
 #[derive(Debug, Args)]
@@ -83,12 +82,12 @@ pub(crate) struct Estimate {
     /// written. Its errors become part of the bounds, at the price of one more run for each corrected error
     #[arg(long, value_name = "CORRECTIONS.json")]
     pub(crate) correct: Option<PathBuf>,
-    /// Begin at this time of the record, for example 12s
+    /// Begin at this time of the record, for example 12s, or when its clock shows this time of day, for example 10:15:31
     #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
-    pub(crate) from: Option<Time>,
-    /// End at this time of the record, for example 40s
+    pub(crate) from: Option<Moment>,
+    /// End at this time of the record, for example 40s or 10:15:59
     #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
-    pub(crate) to: Option<Time>,
+    pub(crate) to: Option<Moment>,
     /// Use only the manoeuvre that `phugoid inspect` lists under this number. A batch method takes several, for example
     /// 1,3, and fits them together
     #[arg(long, value_name = "NUMBER", value_delimiter = ',', conflicts_with_all = ["from", "to"])]

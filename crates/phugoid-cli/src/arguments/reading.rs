@@ -1,12 +1,16 @@
 //! Options of all commands that read a recorded flight.
 
 use std::path::{Path, PathBuf};
+use std::str::FromStr;
 
 use clap::Args;
 use phugoid_flight_data::deletion::Deletion;
 use phugoid_flight_data::memory::Memory;
 use phugoid_flight_data::reader::ReadOptions;
-use phugoid_simulation::quantity::Time;
+use phugoid_flight_data::record::{Record, time_of_day};
+use phugoid_simulation::quantity::{QuantityError, Time};
+
+use crate::failure::Failure;
 
 /// The help text of a flight that is read: the formats that this build knows by their content.
 pub(super) fn flight() -> String {
@@ -60,6 +64,35 @@ impl Reading {
         options.table.sample_time_s = self.sample_time.map(|time| time.si());
         options.table.variable.clone_from(&self.variable);
         options
+    }
+}
+
+/// A moment of a record.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Moment {
+    /// A time of the record, s.
+    Time(f64),
+    /// A time of day that its clock shows, s from midnight.
+    Clock(f64),
+}
+
+impl Moment {
+    /// The time of the record, s; `option` is named in the message where the record has no such time.
+    pub(crate) fn of(self, record: &Record, option: &str) -> Result<f64, Failure> {
+        match self {
+            Self::Time(seconds) => Ok(seconds),
+            Self::Clock(seconds) => {
+                record.at_time_of_day(seconds).map_err(|error| Failure::input(format!("{option}: {error}")))
+            }
+        }
+    }
+}
+
+impl FromStr for Moment {
+    type Err = QuantityError;
+
+    fn from_str(text: &str) -> Result<Self, QuantityError> {
+        time_of_day(text).map_or_else(|| text.parse::<Time>().map(|time| Self::Time(time.si())), |s| Ok(Self::Clock(s)))
     }
 }
 

@@ -5,11 +5,10 @@ use std::path::PathBuf;
 use clap::Args;
 use phugoid_identification::regress::Criterion;
 use phugoid_identification::term::Coefficient;
-use phugoid_simulation::quantity::Time;
 
 use super::delivery::Delivery;
 use super::help::examples_and_exit_codes;
-use super::reading::{Deleting, Reading, flight};
+use super::reading::{Deleting, Moment, Reading, flight};
 
 /// Selects the terms of a coefficient from a recorded flight: multivariate orthogonal functions or modified stepwise
 /// regression
@@ -53,12 +52,12 @@ pub(crate) struct Regress {
     /// Partial F that a term needs to stay [default: the F to enter]
     #[arg(long, value_name = "F")]
     pub(crate) f_to_remove: Option<f64>,
-    /// Begin at this time of the record, for example 12s
+    /// Begin at this time of the record, for example 12s, or when its clock shows this time of day, for example 10:15:31
     #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
-    pub(crate) from: Option<Time>,
-    /// End at this time of the record, for example 40s
+    pub(crate) from: Option<Moment>,
+    /// End at this time of the record, for example 40s or 10:15:59
     #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
-    pub(crate) to: Option<Time>,
+    pub(crate) to: Option<Moment>,
     /// Use only the manoeuvre that `phugoid inspect` lists under this number
     #[arg(long, value_name = "NUMBER", conflicts_with_all = ["from", "to"])]
     pub(crate) segment: Option<usize>,

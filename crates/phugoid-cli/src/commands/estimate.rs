@@ -28,7 +28,7 @@ use super::export;
 use super::further;
 use super::result::{self, Document};
 use super::simulate::scenario;
-use crate::arguments::{self, Further, Truth};
+use crate::arguments::{self, Further, Moment, Truth};
 use crate::failure::{self, Failure};
 use crate::output::{Table, json, print};
 use crate::progress::Progress;
@@ -84,7 +84,7 @@ pub(crate) fn run(arguments: &arguments::Estimate) -> Result<ExitCode, Failure> 
     let (settled, model) = settled.map_or((None, model), |(record, model)| (Some(record), model));
     let (record, segments) = if arguments.segment.is_empty() {
         let record = settled.unwrap_or(record);
-        (between(record, arguments.from.map(|t| t.si()), arguments.to.map(|t| t.si()))?, Vec::new())
+        (between(record, arguments.from, arguments.to)?, Vec::new())
     } else {
         // Manoeuvres keep the numbers of the record as it was recorded.
         segments(&record, settled.as_ref(), &arguments.segment)?
@@ -331,7 +331,7 @@ pub(super) fn segments(
             return Err(Failure::input(format!("--segment names manoeuvre {number} twice: name each once")));
         }
         let [from, to] = segment(&found, *number).map_err(|why| Failure::input(format!("--segment: {why}")))?;
-        let mut part = between(record.clone(), Some(from), Some(to))?;
+        let mut part = between(record.clone(), Some(Moment::Time(from)), Some(Moment::Time(to)))?;
         part.source = format!("{}, manoeuvre {number}", record.source);
         parts.push(part);
     }
@@ -341,10 +341,12 @@ pub(super) fn segments(
 }
 
 /// The part of a record from one time (s) to another, both included.
-pub(super) fn between(record: Record, from: Option<f64>, to: Option<f64>) -> Result<Record, Failure> {
+pub(super) fn between(record: Record, from: Option<Moment>, to: Option<Moment>) -> Result<Record, Failure> {
     if from.is_none() && to.is_none() {
         return Ok(record);
     }
+    let from = from.map(|moment| moment.of(&record, "--from")).transpose()?;
+    let to = to.map(|moment| moment.of(&record, "--to")).transpose()?;
     record.between(from.unwrap_or(f64::NEG_INFINITY), to.unwrap_or(f64::INFINITY)).ok_or_else(|| {
         let ends = record.time.first().zip(record.time.last());
         let span = ends.map_or_else(String::new, |(a, b)| format!(": the record runs from {a} s to {b} s"));

@@ -30,7 +30,7 @@ pub(crate) fn run(arguments: &arguments::Regress) -> Result<(), Failure> {
         deletions.apply(&mut record, &arguments.flight, true)?;
         match arguments.segment {
             Some(number) => segments(&record, None, &[number])?.0,
-            None => between(record, arguments.from.map(|t| t.si()), arguments.to.map(|t| t.si()))?,
+            None => between(record, arguments.from, arguments.to)?,
         }
     };
     let found = {

@@ -396,6 +396,47 @@ fn a_time_outside_the_flight_is_refused() {
     }
 }
 
+/// What stands in a file with decimal commas and clock times is understood in options too.
+#[test]
+fn decimal_commas_and_times_of_day_are_understood() {
+    let folder = Folder::new("commas");
+    let rows: String = (0..400)
+        .map(|row| {
+            let (time, text) = (30.0 + 0.05 * f64::from(row), flight_row(row));
+            format!("10:15:{time:06.3};{text}\n").replace('.', ",")
+        })
+        .collect();
+    std::fs::write(folder.0.join("f.csv"), format!("Uhrzeit;TAS [m/s];Theta [°];q [°/s];η [°]\n{rows}")).unwrap();
+    let with = |more: &[&str]| {
+        let run = ["regress", "f.csv", "--model", "f16-model", "--coefficient", "Cm"];
+        phugoid(&folder.0, &[&run[..], more].concat())
+    };
+    // The record runs from 10:15:30 to 10:15:49.95.
+    let message = with(&["--from", "10:16:00"]).fails(3).to_owned();
+    assert!(
+        message.contains("--from: by its clock the record runs from 10:15:30.000000 to 10:15:49.950000"),
+        "{message}"
+    );
+    let message = with(&["--from", "1,500s"]).fails(2).to_owned();
+    assert!(message.contains("`1.500s` or as `1500s`"), "{message}");
+    // Both lie before the record.
+    let message = with(&["--from", "-2,5s", "--to", "-1,5s"]).fails(3).to_owned();
+    assert!(message.contains("no sample lies between"), "{message}");
+    std::fs::write(
+        folder.0.join("f.csv"),
+        format!("n;TAS [m/s];Theta [°];q [°/s];η [°]\n{rows}").replace("10:15:", ""),
+    )
+    .unwrap();
+    let message = with(&["--from", "10:16:00", "--sample-time", "0,05s"]).fails(3).to_owned();
+    assert!(message.contains("no clock that shows times of day"), "{message}");
+}
+
+/// Cells of a steady flight.
+fn flight_row(row: u32) -> String {
+    let wave = (0.1 * f64::from(row)).sin();
+    format!("{:.2};{:.3};{:.3};{:.3}", 60.0 + wave, 2.0 + wave, wave, -1.0 + 0.5 * wave)
+}
+
 #[test]
 fn what_is_no_flight_is_answered_with_what_it_is() {
     let folder = Folder::new("no-flight");

@@ -110,6 +110,7 @@ fn count_from_first(time: &mut [f64], clock: Option<&Clock>, options: &TableOpti
     }
     time.iter_mut().for_each(|t| *t -= first);
     report.start = clock.and_then(|clock| clock.start(first));
+    report.time_of_day_at_zero_s = clock.and_then(|clock| clock.time_of_day(first));
     let first = clock.map_or_else(|| format!("{first:.3} s"), |clock| clock.written(first));
     report.note("time", format!("counts from the first row, which is at {first}"));
     if let Some(turns) = clock.map(Clock::turns).filter(|turns| *turns > 0.0) {

@@ -66,6 +66,10 @@ pub(crate) struct Clock {
     /// Days by which dates are moved, because the rows before were read in the other order.
     shift: f64,
     dated: bool,
+    /// How far ahead of UTC the first time is; `None` before it was read. The inner one is that of [`Reading`].
+    ahead: Option<Option<f64>>,
+    /// Not all times show a time of day ahead of UTC by as much.
+    changing: bool,
     /// A time without a zone was read: nobody knows that these are UTC.
     local: bool,
     /// How far the clock was put back in all, s: an hour where summer time ended during the record, minus an hour where it began.
@@ -85,6 +89,7 @@ impl Clock {
     pub(crate) fn seconds(&mut self, text: &str) -> Option<f64> {
         let reading = read(text)?;
         self.local |= reading.ahead.is_none();
+        self.changing |= reading.cycle == Cycle::Hour || *self.ahead.get_or_insert(reading.ahead) != reading.ahead;
         let seconds = match reading.date {
             Some(date) => {
                 self.dated = true;
@@ -127,6 +132,18 @@ impl Clock {
         let sure = self.month_first.is_some() || self.numbers.is_none();
         let unix_s = seconds - self.shift * DAY;
         (self.dated && sure && unix_s.is_finite()).then_some(Start { unix_s, is_utc: !self.local })
+    }
+
+    /// The time of day, s, that the file writes where this clock gave a time; `None` where the clock shows no hours, or changes.
+    pub(crate) fn time_of_day(&self, seconds: f64) -> Option<f64> {
+        let ahead = self.ahead.filter(|_| !self.changing && self.changes == 0)?;
+        Some((seconds + ahead.unwrap_or(0.0)).rem_euclid(DAY))
+    }
+
+    /// The seconds from midnight of a time of day that is written alone; `None` for other texts.
+    pub(crate) fn written_time_of_day(text: &str) -> Option<f64> {
+        let reading = read(text).filter(|reading| reading.cycle == Cycle::Day && reading.date.is_none())?;
+        reading.ahead.is_none().then_some(reading.seconds)
     }
 
     /// A time that this clock gave, as date and time of day.
@@ -417,6 +434,22 @@ mod tests {
         assert_eq!(start(&["05/01/2024 12:34:56"]), None);
         assert_eq!(start(&["05/01/2024 12:34:56", "05/02/2024 12:34:56"]), Some((may, false)));
         assert_eq!(start(&["01/05/2024 12:34:56", "02/05/2024 12:34:56"]), Some((may, false)));
+    }
+
+    #[test]
+    fn the_time_of_day_is_the_written_one() {
+        let first = |texts: &[&str]| {
+            let mut clock = Clock::default();
+            let times: Vec<f64> = texts.iter().filter_map(|text| clock.seconds(text)).collect();
+            clock.time_of_day(times[0])
+        };
+        let noon = 12.0 * HOUR;
+        for text in ["12:00:00", "12:00:00.0Z", "2024-05-01T12:00:00Z", "2024-05-01T12:00:00+02:00", "123:12:00:00.0"] {
+            assert_eq!(first(&[text]), Some(noon), "{text}");
+        }
+        assert_eq!(first(&["12:00.5"]), None, "minutes and seconds");
+        assert_eq!(first(&["2024-05-01T12:00:00+02:00", "2024-05-01T11:00:01+01:00"]), None);
+        assert_eq!(first(&["01:59:59.5", "03:00:00.5"]), None, "summer time begins");
     }
 
     #[test]

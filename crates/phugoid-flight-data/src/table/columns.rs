@@ -7,6 +7,7 @@ use crate::printable;
 use crate::quality::QualityReport;
 use crate::record::Quantity;
 use crate::table::header::{self, Conflict, Doubt, Meaning};
+use crate::table::misspelt;
 use crate::table::time_column;
 use crate::table::{ColumnMapping, MappingProblem, TableError, TableOptions};
 use crate::units::{self, Unit};
@@ -352,8 +353,15 @@ fn automatic(
         }
         Meaning::Unknown { name, unit, doubt } => {
             let mut name = name;
-            if let Some(doubt) = doubt {
-                doubtful(&place, &header, &doubt, meanings, report);
+            match doubt {
+                Some(Doubt::Near { name, like }) => {
+                    let has = meanings.has(name) || mapped_names.iter().any(|mapped| mapped == name);
+                    if !has && misspelt::can_be(name, unit) {
+                        report.warn(place, misspelt::message(&header, name, like, unit));
+                    }
+                }
+                Some(doubt) => doubtful(&place, &doubt, report),
+                None => {}
             }
             if name.is_empty() {
                 name = format!("column_{}", column + 1);
@@ -381,7 +389,7 @@ fn body_velocity(meaning: Meaning, meanings: &Meanings) -> Meaning {
     if neighbour && suits { Meaning::Known { spec, unit: *unit } } else { meaning }
 }
 
-fn doubtful(place: &str, header: &str, doubt: &Doubt, meanings: &Meanings, report: &mut QualityReport) {
+fn doubtful(place: &str, doubt: &Doubt, report: &mut QualityReport) {
     match doubt {
         Doubt::Unit { spec, text, found } => {
             let what = match found {
@@ -416,19 +424,8 @@ fn doubtful(place: &str, header: &str, doubt: &Doubt, meanings: &Meanings, repor
                 meanings.join(" or ")
             ),
         ),
-        Doubt::Near(name) => {
-            if !meanings.has(name) {
-                let suffix = channels::by_name(name).map(|spec| spec.quantity.si_suffix()).unwrap_or_default();
-                let example = if suffix.is_empty() { (*name).to_owned() } else { format!("{name}_{suffix}") };
-                report.warn(
-                    place,
-                    format!(
-                        "'{header}' is no known channel and is kept as it is; if it is {name}, write {example} (or its \
-                         unit), or map it"
-                    ),
-                );
-            }
-        }
+        // Whether the record has the channel from elsewhere is known to the caller.
+        Doubt::Near { .. } => {}
     }
 }
 

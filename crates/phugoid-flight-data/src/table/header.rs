@@ -20,8 +20,8 @@ pub(crate) enum Doubt {
     Unit { spec: &'static ChannelSpec, text: String, found: Option<Quantity> },
     /// The name could mean several channels.
     Ambiguous(Vec<&'static str>),
-    /// The name is probably a misspelling of this channel.
-    Near(&'static str),
+    /// The name is probably a misspelling of this channel, of which `like` is one of the names.
+    Near { name: &'static str, like: &'static str },
 }
 
 /// Two different units are stated for one column: in its header, in brackets, or in the row of units below.
@@ -128,7 +128,7 @@ fn with_unit(header: &str, name: &str, unit_text: &str) -> Result<Meaning, Confl
         Some(unit) => (name, Some(*unit)),
         None => (header, None),
     };
-    Ok(Meaning::Unknown { name: name.to_owned(), unit, doubt: channels::nearest(name).map(Doubt::Near) })
+    Ok(Meaning::Unknown { name: name.to_owned(), unit, doubt: near(name) })
 }
 
 fn with_suffix(header: &str) -> Meaning {
@@ -176,15 +176,38 @@ fn with_suffix(header: &str) -> Meaning {
         UNMISTAKABLE.contains(&unit.symbol).then_some((name, unit))
     });
     match unmistakable {
-        Some((name, unit)) => unknown(name, Some(unit), channels::nearest(name).map(Doubt::Near)),
+        Some((name, unit)) => unknown(name, Some(unit), near(name)),
         None => {
-            let near = splits(header, true)
-                .into_iter()
-                .filter(|(name, suffix)| !units::find(suffix).is_empty() && channels::by_any_name(name).is_empty())
-                .find_map(|(name, _)| channels::nearest(name));
-            unknown(header, None, channels::nearest(header).or(near).map(Doubt::Near))
+            let before_unit = || {
+                splits(header, true)
+                    .into_iter()
+                    .filter(|(name, suffix)| !units::find(suffix).is_empty() && channels::by_any_name(name).is_empty())
+                    .find_map(|(name, _)| near(name))
+            };
+            unknown(header, None, near(header).or_else(before_unit).or_else(|| misspelt_unit(header)))
         }
     }
+}
+
+/// The doubt about a name that is like one of a channel.
+fn near(name: &str) -> Option<Doubt> {
+    channels::nearest_spelling(name).map(|(name, like)| Doubt::Near { name, like })
+}
+
+/// The doubt about a known name behind which a unit is misspelt by one letter: `alpha_dg`.
+fn misspelt_unit(header: &str) -> Option<Doubt> {
+    /// What is demanded and desired is one letter from degrees.
+    const OTHER_WORDS: [&str; 2] = ["dem", "des"];
+    splits(header, true).into_iter().find_map(|(name, suffix)| {
+        let suffix = suffix.to_lowercase();
+        let one_letter = |symbol: &str| symbol.len() > 2 && strsim::damerau_levenshtein(symbol, &suffix) == 1;
+        let spec = channels::by_any_name(name)
+            .into_iter()
+            .find(|spec| units::UNITS.iter().any(|unit| unit.quantity == spec.quantity && one_letter(unit.symbol)))?;
+        // A single letter is an index or a mark.
+        let is_unit = suffix.len() > 1 && !OTHER_WORDS.contains(&suffix.as_str());
+        is_unit.then_some(Doubt::Near { name: spec.name, like: spec.name })
+    })
 }
 
 /// Suffixes that are units also after a name that is not known.
@@ -365,10 +388,16 @@ mod tests {
         assert!(matches!(unknown("V").2, Some(Doubt::Ambiguous(_))));
         assert!(matches!(unknown("Fahrt [kt]").2, Some(Doubt::Ambiguous(_))));
         assert!(matches!(unknown("ζ").2, Some(Doubt::Ambiguous(_))));
-        assert!(matches!(unknown("aplha_deg").2, Some(Doubt::Near("alpha"))));
+        assert!(matches!(unknown("aplha_deg").2, Some(Doubt::Near { name: "alpha", .. })));
         // The letter is no temperature; whether it is the pitch attitude only the user knows.
-        assert_eq!(unknown("theta_c"), ("theta_c".into(), None, Some(Doubt::Near("theta"))));
-        assert!(matches!(unknown("elevtor").2, Some(Doubt::Near("elevator"))));
+        assert_eq!(unknown("theta_c"), ("theta_c".into(), None, Some(Doubt::Near { name: "theta", like: "theta" })));
+        assert!(matches!(unknown("alpha_dg").2, Some(Doubt::Near { name: "alpha", .. })));
+        assert!(matches!(unknown("Höhenuder [°]").2, Some(Doubt::Near { name: "elevator", like: "höhenruder" })));
+        assert!(matches!(unknown("Anstelwinkel [°]").2, Some(Doubt::Near { name: "alpha", like: "anstellwinkel" })));
+        for header in ["alpha_des", "alpha_ref", "elevator_cmd"] {
+            assert_eq!(unknown(header).2, None, "{header}");
+        }
+        assert!(matches!(unknown("elevtor").2, Some(Doubt::Near { name: "elevator", .. })));
         assert!(matches!(unknown("elevator_kt").2, Some(Doubt::Unit { found: Some(Quantity::Speed), .. })));
         assert!(matches!(unknown("alpha (vane)").2, Some(Doubt::Unit { found: None, .. })));
     }

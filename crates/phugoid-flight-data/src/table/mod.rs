@@ -10,6 +10,7 @@ mod error;
 mod from_columns;
 pub(crate) mod header;
 mod markers;
+pub(crate) mod misspelt;
 mod stuck_and_spikes;
 pub(crate) mod time_base;
 mod time_column;
@@ -20,6 +21,7 @@ pub use error::{MappingProblem, OptionProblem, TableError};
 pub(crate) use from_columns::from_counted_columns;
 pub(crate) use from_columns::from_sparse_columns;
 pub use from_columns::{Column, LeftOut, from_columns};
+pub use misspelt::Misspelt;
 
 use serde::{Deserialize, Serialize};
 

@@ -196,11 +196,31 @@ fn speed_and_pressure_that_contradict_one_another_are_noticed() {
 #[test]
 fn misspelt_headers_get_a_suggestion() {
     let record = good("time_s,aplha_deg,elevtor_deg\n0,1,2\n1,2,3\n");
-    says(&record, &["column 'aplha_deg'", "if it is alpha, write alpha_rad"]);
-    says(&record, &["column 'elevtor_deg'", "if it is elevator"]);
+    says(&record, &["column 'aplha_deg'", "its name is like 'alpha'", "If it is alpha, write alpha_deg"]);
+    says(&record, &["column 'elevtor_deg'", "[channels] elevator = { header = \"elevtor_deg\", unit = \"deg\" }"]);
     let error = record.require("alpha").unwrap_err().to_string();
     assert!(error.contains("there is no channel 'alpha' (did you mean 'aplha'?)"), "{error}");
     assert!(error.contains("'alpha_rad'") && error.contains("elevtor"), "{error}");
+    // Names in other languages, units in a row of their own, and a misspelt unit.
+    let record = good("Zeit [s];Höhenuder [°];Anstelwinkel [°]\n0;1,5;2\n1;1,6;3\n");
+    says(&record, &["'Höhenuder [°]'", "like 'höhenruder' (elevator)", "header = \"Höhenuder [°]\", unit = \"deg\""]);
+    says(&record, &["'Anstelwinkel [°]'", "like 'anstellwinkel' (alpha)", "write alpha_deg as its header"]);
+    let of: Vec<&str> = record.misspelt().iter().map(|misspelt| misspelt.channel).collect();
+    assert_eq!(of, ["elevator", "alpha"]);
+    let record = good("Zeit;Höhenuder\n[s];[°]\n0;1,5\n1;1,6\n");
+    says(&record, &["'Höhenuder'", "write elevator_deg as its header"]);
+    assert_eq!(record.misspelt().len(), 1);
+    says(&good("time_s,alpha_dg\n0,1\n1,2\n"), &["'alpha_dg'", "its name is like 'alpha'"]);
+    // A column in another unit is no such channel, and what the record has from elsewhere is not missed.
+    let record = good("time_s,Elevation [m],alpha_deg,alpha_dg\n0,1,1,1\n1,2,2,2\n");
+    assert!(
+        record.misspelt().is_empty() && !findings(&record).iter().any(|f| f.contains("known channel")),
+        "{record:?}"
+    );
+    let options =
+        CsvOptions { columns: vec![ColumnMapping::new("alpha", "vane").with_unit("deg")], ..CsvOptions::default() };
+    let record = read("time_s,vane,aplha_deg\n0,1,1\n1,2,1\n".as_bytes(), "x", &options).unwrap();
+    assert!(!findings(&record).iter().any(|f| f.contains("known channel")), "{:?}", findings(&record));
 }
 
 #[test]

@@ -132,3 +132,27 @@ fn the_times_of_a_flight_count_from_its_first_row() {
     }
     std::fs::remove_file(&file).unwrap();
 }
+
+/// A time of day is a time of the record by the clock that its file shows.
+#[test]
+fn a_time_of_day_is_found_by_the_clock_of_the_file() {
+    use phugoid_flight_data::record::{NoTimeOfDay, time_of_day};
+    let read = |times: &[&str]| {
+        let rows: String = times.iter().enumerate().map(|(row, time)| format!("{time};{row}\n")).collect();
+        csv::read(format!("Uhrzeit;alpha_deg\n{rows}").as_bytes(), "flight.csv", &CsvOptions::default()).unwrap()
+    };
+    let record = read(&["10:15:30,000", "10:15:30,500", "10:15:31,000", "10:15:31,500"]);
+    let at = |text: &str| record.at_time_of_day(time_of_day(text).unwrap());
+    assert_eq!((at("10:15:30"), at("10:15:30,5"), at("10:15:31.500")), (Ok(0.0), Ok(0.5), Ok(1.5)));
+    let outside = at("10:15:29").unwrap_err().to_string();
+    assert!(outside.contains("from 10:15:30.000000 to 10:15:31.500000"), "{outside}");
+    assert!(matches!(at("10:15"), Err(NoTimeOfDay::Outside { .. })));
+    // Over midnight, and by the zone of the file.
+    let record = read(&["2024-06-12T23:59:59+02:00", "2024-06-13T00:00:00+02:00", "2024-06-13T00:00:01+02:00"]);
+    assert_eq!(record.at_time_of_day(1.0), Ok(2.0));
+    let record = csv::read("time_s,a_deg\n0,1\n1,2\n".as_bytes(), "x", &CsvOptions::default()).unwrap();
+    assert_eq!(record.at_time_of_day(1.0), Err(NoTimeOfDay::NoClock));
+    for text in ["4.5s", "34:56.7", "10", "", "2024-05-01T10:15:31", "25:00:00", "10:15:31Z"] {
+        assert_eq!(time_of_day(text), None, "{text}");
+    }
+}

@@ -117,9 +117,14 @@ pub enum DraftError {
     },
     /// The record lacks channels without which nothing can be estimated.
     #[error(
-        "the flight has no {}; {axes} derivatives cannot be estimated without. If a column holds it under another name, call \
-         the column so (with its unit), as in {example}",
-        missing.join(", no ")
+        "the flight has no {}; {axes} derivatives cannot be estimated without. {}",
+        missing.join(", no "),
+        match misspelt.as_slice() {
+            [] => format!(
+                "If a column holds it under another name, call the column so (with its unit), as in {example}"
+            ),
+            columns => columns.join(". "),
+        }
     )]
     Channels {
         /// The channels that are not there.
@@ -128,6 +133,8 @@ pub enum DraftError {
         axes: &'static str,
         /// A header that would be understood.
         example: String,
+        /// Columns whose names are like those of the missing channels, and what to write in their place, a sentence each.
+        misspelt: Vec<String>,
     },
     /// The angle at full command is no angle of a surface.
     #[error(

@@ -29,6 +29,7 @@ mod text;
 
 use phugoid_flight_data::plausibility::Doubt;
 use phugoid_flight_data::record::Record;
+use phugoid_flight_data::table::Misspelt;
 
 use crate::core::axes::Group;
 use crate::manoeuvres::{Settings, find};
@@ -91,18 +92,21 @@ pub fn check(record: &Record, answers: &Answers) -> Result<(), DraftError> {
         let others = |missing: &String| !command::SURFACES.iter().any(|surface| missing.contains(surface.name));
         let axes = command::presumed_axes(record, answers);
         let missing: Vec<String> = contents.lacks(axes).into_iter().filter(others).collect();
-        return lacking(missing, axes);
+        return lacking(record, missing, axes);
     }
     let axes = axes_of(&completed, &contents, answers).0;
-    lacking(contents.lacks(axes), axes)
+    lacking(record, contents.lacks(axes), axes)
 }
 
 /// An error that names what is missing, if anything is.
-fn lacking(missing: Vec<String>, axes: DraftedAxes) -> Result<(), DraftError> {
+fn lacking(record: &Record, missing: Vec<String>, axes: DraftedAxes) -> Result<(), DraftError> {
     let Some(first) = missing.first() else { return Ok(()) };
     let example = contents::header_of(first);
     let axes = if axes.has_longitudinal() { "longitudinal" } else { "lateral-directional" };
-    Err(DraftError::Channels { missing, axes, example })
+    // `aileron or rudder` is one of the missing.
+    let is_missing = |column: &Misspelt| missing.iter().any(|missing| missing.split(' ').any(|n| n == column.channel));
+    let misspelt = record.misspelt().iter().filter(|column| is_missing(column)).map(Misspelt::to_string).collect();
+    Err(DraftError::Channels { missing, axes, example, misspelt })
 }
 
 /// The axes of the model, and whether the record would do for the lateral-directional ones too.
@@ -160,7 +164,7 @@ pub fn draft(record: &Record, answers: &Answers) -> Result<Draft, DraftError> {
     let (record, commanded) = command::with_positions(record, answers)?;
     let contents = Contents::of(&record, &commanded);
     let (axes, lateral) = axes_of(&record, &contents, answers);
-    lacking(contents.lacks(axes), axes)?;
+    lacking(&record, contents.lacks(axes), axes)?;
     let mut writer = text::Writer::new(&contents, answers, axes, &commanded);
     if answers.axes.is_none() && axes == DraftedAxes::Longitudinal && lateral {
         writer.assume(
@@ -168,12 +172,22 @@ pub fn draft(record: &Record, answers: &Answers) -> Result<Draft, DraftError> {
              together with --axes both",
         );
     }
+    if answers.axes.is_none() && axes == DraftedAxes::Lateral {
+        writer.assume(match contents.has("elevator") {
+            true => "ailerons or rudder were moved, and the elevator was not: this model is of the lateral-directional motion",
+            false => {
+                "the flight has no elevator: this model is of the lateral-directional motion alone. If a column holds the elevator, \
+                 call it elevator_deg (or its unit)"
+            }
+        });
+    }
     let (text, aircraft, assumed) = writer.finish();
     let model = ModelFile::parse("the model file", &text).map_err(|error| DraftError::Unreadable(error.to_string()))?;
     let found = examined::of_record(&record, &model)?;
     let doubts = examined::doubts(&contents, answers, &aircraft, &found);
     let mut record_doubts: Vec<String> = found.iter().map(Doubt::to_string).collect();
     record_doubts.extend(examined::assumed_units(&contents, &record, &model));
+    record_doubts.extend(record.misspelt().iter().map(Misspelt::to_string));
     let said_twice = examined::said_twice(&contents, answers, axes);
     Ok(Draft { text, assumed, doubts, record_doubts, said_twice, manoeuvres: own_manoeuvres(&record, axes) })
 }

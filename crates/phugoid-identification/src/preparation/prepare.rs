@@ -524,8 +524,12 @@ fn missing(record: &Record, name: &str, others: &[&str], dispensable: Option<Str
     // The reader of a log says for a missing channel where it was looked for and what to do.
     let about = |place: &str| place == name || place == "vehicle" || other_channels.iter().any(|other| other == place);
     let about_channels = record.quality.findings.iter().filter(|finding| about(&finding.place));
-    let findings =
-        about_channels.map(|finding| format!("{}: {}", finding.place, finding.message.replace('\n', "\n  "))).collect();
+    let is_lacking = |channel: &str| channel == name || other_channels.iter().any(|other| other == channel);
+    let misspelt = record.misspelt().into_iter().filter(|column| is_lacking(column.channel));
+    let findings = misspelt
+        .map(|column| column.to_string())
+        .chain(about_channels.map(|finding| format!("{}: {}", finding.place, finding.message.replace('\n', "\n  "))))
+        .collect();
     EstimateError::MissingChannel {
         record: record.source.clone(),
         channel: name.to_owned(),

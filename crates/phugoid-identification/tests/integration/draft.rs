@@ -257,3 +257,47 @@ fn what_is_said_and_recorded_is_told_and_wrong_units_are_refused() {
     let error = draft(&wrong, &drone()).unwrap_err();
     assert!(matches!(error, DraftError::Units { .. }) && error.to_string().contains("theta"), "{error}");
 }
+
+/// A misspelt column is named where the channel that it may be is missing, and a model of other axes is not begun in silence.
+#[test]
+fn a_misspelt_column_is_named() {
+    let flight = |elevator: &str, aileron: bool| {
+        let rows: String = (0..600)
+            .map(|row| {
+                let t = 0.05 * f64::from(row);
+                let doublet = if (5.0..6.0).contains(&t) { 3.0 } else { f64::from((6.0..7.0).contains(&t)) * -3.0 };
+                let moved = if aileron { doublet } else { 0.0 };
+                let p = 4.0 * moved + 0.01 * (7.0 * t).sin();
+                format!(
+                    "{t},30,{},1,{},0,{p},{},0,0.1,-9.8,0,1000,{doublet},{moved}\n",
+                    2.0 + (0.1 * t).sin(),
+                    1.5 + 0.01 * (3.0 * t).sin(),
+                    0.02 * (5.0 * t).sin()
+                )
+            })
+            .collect();
+        record(&format!(
+            "time_s,tas_m_s,theta_deg,phi_deg,alpha_deg,beta_deg,p_deg_s,q_deg_s,r_deg_s,ax_m_s2,az_m_s2,ay_m_s2,altitude_m,{elevator},Querruder [°]\n{rows}"
+        ))
+    };
+    let misspelt = flight("Höhenuder [°]", false);
+    let answers = Answers { axes: Some(DraftedAxes::Longitudinal), ..drone() };
+    for error in [check(&misspelt, &answers).unwrap_err(), draft(&misspelt, &answers).unwrap_err()] {
+        let told = error.to_string();
+        assert!(
+            told.contains("no elevator") && told.contains("'Höhenuder [°]'") && told.contains("elevator_deg"),
+            "{told}"
+        );
+    }
+    // With ailerons that were moved a model of the lateral motion is begun: it says why.
+    let drafted = draft(&flight("Höhenuder [°]", true), &drone()).unwrap();
+    assert!(drafted.text.contains("axes = [\"lateral\"]"), "{}", drafted.text);
+    assert!(drafted.assumed.iter().any(|line| line.contains("no elevator") && line.contains("lateral-directional")));
+    let doubts = &drafted.record_doubts;
+    assert!(doubts.iter().any(|line| line.contains("'Höhenuder [°]'") && line.contains("elevator")), "{doubts:?}");
+    // An estimation that needs the channel names the column too.
+    let model = draft(&flight("elevator_deg", false), &answers).unwrap().text;
+    let model = ModelFile::parse("model.toml", &model).unwrap();
+    let error = estimate(&misspelt, &model, &EstimateOptions::default(), &mut |_| ()).unwrap_err().to_string();
+    assert!(error.contains("`elevator` is missing") && error.contains("column 'Höhenuder [°]'"), "{error}");
+}

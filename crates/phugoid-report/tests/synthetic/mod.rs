@@ -298,6 +298,7 @@ pub(crate) fn estimation(case: &Case) -> Estimation {
             deletions: Vec::new(),
             start: None,
             clock_at_zero_us: None,
+            time_of_day_at_zero_s: None,
             rows_read: count + 3,
             rows_kept: count,
             sample_time_s: step,
