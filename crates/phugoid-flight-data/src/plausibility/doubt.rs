@@ -22,6 +22,8 @@ pub enum Cause {
     Unit,
     /// The sensor or its recorder: a scale factor, a stuck or a saturated channel.
     Sensor,
+    /// Nothing of the channel: most of the record was not recorded in flight.
+    Standing,
 }
 
 /// Channels whose unit, sign or sensor is implausible.

@@ -27,6 +27,7 @@ mod motion;
 mod robust;
 mod sensors;
 mod sizes;
+mod standing;
 mod time;
 
 use crate::record::Record;

@@ -2,8 +2,9 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use super::doubt::{Certainty, Doubts, write_degrees};
+use super::doubt::{Cause, Certainty, Doubts, write_degrees};
 use super::robust::{largest_size, median_of_finite, span, span_beyond};
+use super::standing;
 use crate::channels;
 use crate::record::Quantity;
 use crate::wording::Short;
@@ -67,14 +68,29 @@ fn theta_agrees(doubts: &Doubts) -> bool {
     3.0 * theta < alpha.to_degrees()
 }
 
-/// Checks the sizes of airspeed, altitude and throttle.
-pub(super) fn others(doubts: &mut Doubts) {
-    let size = |name: &str| median_of_finite(doubts.values(name)?.iter().map(|value| value.abs()));
-    let (speed, altitude) = (size("true_airspeed"), size("altitude"));
-    if let Some(speed) = speed.filter(|speed| !(5.0..=1200.0).contains(speed)) {
+/// No aeroplane flies slower, m/s.
+pub(super) const SLOWEST: f64 = 5.0;
+
+/// Checks the size of the airspeed.
+fn airspeed(doubts: &mut Doubts) {
+    let sizes = doubts.values("true_airspeed").map(|values| values.iter().map(|value| value.abs()));
+    let speed = sizes.and_then(median_of_finite);
+    if let Some(speed) = speed.filter(|speed| !(SLOWEST..=1200.0).contains(speed)) {
+        if speed < SLOWEST
+            && let Some(message) = standing::message(doubts)
+        {
+            return doubts.add_cause(&["true_airspeed"], Certainty::Doubtful, Cause::Standing, message);
+        }
         let message = format!("is about {} m/s, and no aeroplane flies at that: check its unit", Short(speed));
         doubts.add(&["true_airspeed"], Certainty::Doubtful, message);
     }
+}
+
+/// Checks the sizes of airspeed, altitude and throttle.
+pub(super) fn others(doubts: &mut Doubts) {
+    airspeed(doubts);
+    let size = |name: &str| median_of_finite(doubts.values(name)?.iter().map(|value| value.abs()));
+    let altitude = size("altitude");
     if let Some(altitude) = altitude.filter(|altitude| *altitude > 25_000.0) {
         let message = format!(
             "is about {} m: if it is in feet, name the column `altitude_ft` or give its unit in the model file",

@@ -36,7 +36,7 @@ pub(super) fn message(header: &str, channel: &str, like: &str, unit: Option<Unit
     let unit_value = if suffix.is_empty() { String::new() } else { format!(", unit = \"{suffix}\"") };
     let or_unit = if unit.is_none() && !suffix.is_empty() { " (or its unit)" } else { "" };
     format!(
-        "'{header}' is no known channel and is kept as it is; its name is like '{like}'{of}. If it is {channel}, write {example}{or_unit} \
+        "no known channel, kept as it is; its name is like '{like}'{of}. If it is {channel}, write {example}{or_unit} \
          as its header, or map it in the model file: [channels] {channel} = {{ header = {header_value}{unit_value} }}"
     )
 }

@@ -264,3 +264,37 @@ fn a_trim_at_zero_angle_of_attack_is_no_wrong_unit() {
     // Nothing tells.
     assert!(doubted(0.1, None) && doubted(0.0, Some(2.0)));
 }
+
+/// An aircraft that stands for most of a record and then flies: which part is the flight, and no word of units.
+#[test]
+fn the_flight_in_a_record_of_an_aircraft_that_stands_is_named() {
+    use phugoid_flight_data::plausibility::{self, Cause};
+    let read = |speed: &dyn Fn(f64) -> f64| {
+        // Airspeed once a second among faster channels, as autopilots log it.
+        let rows: String = (0..600)
+            .map(|row| {
+                let t = 0.1 * f64::from(row);
+                let speed = if row % 10 == 0 { format!("{:.2}", speed(t)) } else { String::new() };
+                format!("{t:.1},{speed},{:.3}\n", 0.1 * t.sin())
+            })
+            .collect();
+        let text = format!("time_s,tas_m_s,q_rad_s\n{rows}");
+        phugoid_flight_data::csv::read(text.as_bytes(), "x", &phugoid_flight_data::csv::CsvOptions::default()).unwrap()
+    };
+    let flies =
+        |from: f64, to: f64| move |t: f64| if (from..=to).contains(&t) { 20.0 + t.sin() } else { 1.5 + t.sin() };
+    let of =
+        |record: &Record| plausibility::check(record).into_iter().find(|doubt| doubt.channels == ["true_airspeed"]);
+    let doubt = of(&read(&flies(50.0, 60.0))).unwrap();
+    assert_eq!(doubt.cause, Cause::Standing, "{doubt}");
+    assert!(doubt.message.contains("stands for 50 s of the 59.9 s"), "{doubt}");
+    assert!(doubt.message.contains("--from 50s") && !doubt.message.contains("--to"), "{doubt}");
+    assert!(!doubt.message.contains("unit"), "{doubt}");
+    let doubt = of(&read(&flies(10.0, 25.0))).unwrap();
+    assert!(doubt.message.contains("--from 10s --to 25s"), "{doubt}");
+    // One that never flies, and one value that is wrong.
+    for record in [read(&|t: f64| 1.5 + t.sin()), read(&flies(30.0, 30.0))] {
+        let doubt = of(&record).unwrap();
+        assert!(doubt.cause == Cause::Unit && doubt.message.contains("check its unit"), "{doubt}");
+    }
+}

@@ -72,6 +72,12 @@ impl Surface {
     }
 }
 
+/// The surfaces of which a record has the command from -1 to 1 and not the position, with the headers of the commands.
+pub(crate) fn alone(record: &Record) -> Vec<(&'static str, &str)> {
+    let is_alone = |surface: &&Surface| surface.alone(record).is_some_and(|command| no_command(command).is_none());
+    SURFACES.iter().filter(is_alone).map(|surface| (surface.name, surface.header(record))).collect()
+}
+
 /// The smallest and the largest command, if they are none from -1 to 1.
 fn no_command(channel: &Channel) -> Option<[f64; 2]> {
     let finite = channel.values.iter().copied().filter(|value| value.is_finite());

@@ -22,7 +22,7 @@
 
 mod answers;
 mod class;
-mod command;
+pub(crate) mod command;
 mod contents;
 mod examined;
 mod text;

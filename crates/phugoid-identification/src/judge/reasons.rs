@@ -216,6 +216,7 @@ fn channel(doubt: &Doubt) -> VerdictReason {
     let (code, check) = match doubt.cause {
         Cause::Unit => (ReasonCode::Units, "units"),
         Cause::Sensor => (ReasonCode::Channel, "sensor"),
+        Cause::Standing => (ReasonCode::Channel, "part of the record that is used"),
     };
     VerdictReason {
         code,

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use phugoid_flight_data::record::Record;
 
 use crate::core::axes::Axes;
+use crate::draft::command;
 use crate::preparation::noise::measure_noise;
 
 /// Highest rate of the samples that regressions take, Hz: well above the modes that they are about.
@@ -87,7 +88,10 @@ impl<'a> Signals<'a> {
     /// What the record lacks for any estimation at all, one sentence each.
     pub(crate) fn missing(&self) -> Vec<String> {
         let mut reasons = Vec::new();
-        if !self.has_surface() {
+        let commands = command::alone(self.record);
+        if !self.has_surface() && !commands.is_empty() {
+            reasons.push(with_travel(&commands));
+        } else if !self.has_surface() {
             reasons.push(
                 "no control surface (elevator, aileron, rudder) was recorded: derivatives are learnt from what the \
                  surfaces do. A multirotor has none; an autopilot's log has them as its outputs to the servos"
@@ -152,4 +156,26 @@ impl Window {
             .filter(|(values, _)| values.iter().any(|v| v.is_finite()))
             .map(|(values, noise)| (values.as_slice(), *noise))
     }
+}
+
+/// How the commands of surfaces become positions.
+fn with_travel(commands: &[(&'static str, &str)]) -> String {
+    let headers: Vec<String> = commands.iter().map(|(_, header)| format!("`{header}`")).collect();
+    let mut text = format!(
+        "no position of a control surface (elevator, aileron, rudder) was recorded; the commands are there ({}), and an estimation \
+         needs the angles that they stand for",
+        headers.join(", ")
+    );
+    if let Some(((surface, header), others)) = commands.split_first() {
+        let (scale, header) =
+            (if *surface == "elevator" { -20 } else { 20 }, toml::Value::String((*header).to_owned()));
+        let likewise: Vec<String> = others.iter().map(|(surface, _)| format!("--{surface}-travel")).collect();
+        let also = if likewise.is_empty() { String::new() } else { format!(" (also {})", likewise.join(", ")) };
+        text.push_str(&format!(
+            ". Measure the deflection at full command (command 1), negative where it moves the trailing edge up (right aileron up, \
+             rudder right). `phugoid init FLIGHT --{surface}-travel {scale}deg`{also} begins a model file with it; in a model file \
+             that is there write [channels] {surface} = {{ header = {header}, scale = {scale}, unit = \"deg\" }}"
+        ));
+    }
+    text
 }

@@ -5,6 +5,7 @@ use phugoid_flight_data::record::Record;
 use phugoid_identification::draft::{AircraftClass, Answers, DraftError, DraftedAxes, check, draft, questions};
 use phugoid_identification::estimate::{EstimateOptions, Method, estimate};
 use phugoid_identification::estimation::Estimation;
+use phugoid_identification::manoeuvres::{Settings, find};
 use phugoid_identification::model_file::ModelFile;
 
 use crate::common as shared_data;
@@ -219,6 +220,14 @@ fn a_command_becomes_the_surface_by_its_travel() {
     }
     let pulses = commanded("elevator_command", 1500.0);
     assert!(matches!(check(&pulses, &drone()), Err(DraftError::NoCommand { surface: "elevator", .. })));
+    // Nothing is said of it by a search for manoeuvres but how the command becomes a position.
+    let reasons = find(&flight, &Settings::default()).reasons;
+    let told =
+        reasons.iter().find(|reason| reason.contains("`elevator_command`")).unwrap_or_else(|| panic!("{reasons:?}"));
+    assert!(told.contains("`phugoid init FLIGHT --elevator-travel -20deg`") && told.contains(line), "{told}");
+    assert!(!told.contains("multirotor"), "{told}");
+    let reasons = find(&pulses, &Settings::default()).reasons;
+    assert!(reasons.iter().any(|reason| reason.contains("no control surface")), "{reasons:?}");
     // A position that was recorded comes before what was said.
     let drafted = draft(&commanded("elevator_rad", 0.1), &answers).unwrap();
     assert!(!drafted.text.contains("[channels]"), "{}", drafted.text);
