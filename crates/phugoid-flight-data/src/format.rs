@@ -57,7 +57,7 @@ pub enum Format {
     Gzip,
     /// A zip archive: a workbook of Excel (`.xlsx`), read with the feature `excel`, or another one, which is refused.
     Zip,
-    /// Text in UTF-16, known by its byte-order mark; not read.
+    /// A table as text in UTF-16, known by its byte-order mark.
     Utf16,
 }
 
@@ -131,7 +131,7 @@ impl Format {
             Format::Hdf5 => "an HDF5 or MATLAB 7.3 file",
             Format::Gzip => "compressed by gzip",
             Format::Zip => "a workbook (.xlsx) or another zip archive",
-            Format::Utf16 => "UTF-16 text",
+            Format::Utf16 => "a table as text in UTF-16",
         }
     }
 }

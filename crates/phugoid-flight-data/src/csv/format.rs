@@ -241,7 +241,6 @@ pub(super) fn refuse_binary(source: &str, start: &[u8]) -> Result<(), ReadError>
             ("a PX4 ULog", "read it with reader::read_path, as every command does")
         }
         [0xA3, 0x95, ..] => ("an ArduPilot DataFlash log", "read it with reader::read_path, as every command does"),
-        [0xFF, 0xFE, ..] | [0xFE, 0xFF, ..] => ("UTF-16 text", "save it as UTF-8"),
         [b'P', b'K', 3, 4, ..] => ("a zip archive or a spreadsheet", "unpack it, or export the sheet as CSV"),
         [0x1F, 0x8B, ..] => ("compressed by gzip", "unpack it first (gunzip)"),
         [b'P', b'A', b'R', b'1', ..] => ("a Parquet file", "export it as CSV"),

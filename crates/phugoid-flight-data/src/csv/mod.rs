@@ -3,7 +3,7 @@
 //! These variants are understood:
 //!
 //! - a header line with names and units in any usual form (`alpha_deg`, `Alpha [deg]`, `KTAS`), also as a comment, in
-//!   quotes, with a byte-order mark, or with a row of units below it;
+//!   quotes, with a byte-order mark (also of UTF-16), or with a row of units below it;
 //! - comma, semicolon, tab, bar or blanks between the cells, and decimal commas where the cells have no commas between
 //!   them; thousands that are separated by blanks, apostrophes, or the mark that does not stand before decimals;
 //! - comment lines (`#`), and line ends of Unix, Windows and old Macs;
@@ -35,6 +35,7 @@ mod read;
 mod rows;
 mod stream;
 mod text_file;
+mod utf16;
 mod write;
 
 pub use error::{NameProblem, ReadError, WriteError};

@@ -5,6 +5,7 @@ use std::io::{BufRead, BufReader, Chain, Cursor, Read};
 use super::ReadError;
 use super::cells::{self, Cell};
 use super::format::{self, Format, Scratch};
+use super::utf16::AsUtf8;
 use crate::quality::QualityReport;
 use crate::table::clock::Clock;
 use crate::table::columns;
@@ -30,15 +31,16 @@ pub(super) struct Row {
 /// The lines of a text file, with their numbers, in bounded memory.
 pub(super) struct TextFile<'s, R: Read> {
     source: &'s str,
-    lines: BufReader<Chain<Cursor<Vec<u8>>, R>>,
+    lines: BufReader<Chain<Cursor<Vec<u8>>, AsUtf8<R>>>,
     pub(super) format: Format,
     line: usize,
     last_comment: Option<(usize, String)>,
 }
 
 impl<'s, R: Read> TextFile<'s, R> {
-    pub(super) fn open(mut reader: R, source: &'s str, delimiter: Option<char>) -> Result<Self, ReadError> {
+    pub(super) fn open(reader: R, source: &'s str, delimiter: Option<char>) -> Result<Self, ReadError> {
         let io = |error| ReadError::Io { source_name: source.to_owned(), error };
+        let mut reader = AsUtf8::new(reader);
         let mut sample = Vec::new();
         reader.by_ref().take(SAMPLE as u64).read_to_end(&mut sample).map_err(io)?;
         let complete = sample.len() < SAMPLE;

@@ -231,7 +231,7 @@ fn table(
             let io = |error| ReadError::Io { source_name: source.clone(), error };
             let (inner, mut reader) = Format::of(flate2::read::MultiGzDecoder::new(reader)).map_err(io)?;
             match inner {
-                Format::Csv => table(inner, &mut reader, path, options, account),
+                Format::Csv | Format::Utf16 => table(inner, &mut reader, path, options, account),
                 other => Err(ReadError::NotRead { source_name: format!("{source} (unpacked)"), format: other }),
             }
         }
