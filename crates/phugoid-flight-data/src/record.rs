@@ -4,7 +4,6 @@ use crate::channels;
 use crate::quality::QualityReport;
 use crate::statistics;
 use crate::table::clock::{self, Clock};
-use crate::table::misspelt::{self, Misspelt};
 pub use crate::units::Quantity;
 
 /// One measured or computed signal, with one value per time of its record.
@@ -75,20 +74,6 @@ impl Record {
                 available: self.channels.iter().map(|channel| channel.name.clone()).collect(),
             }
         })
-    }
-
-    /// The columns that were kept as signals of their own and whose names are like those of channels that the record lacks.
-    ///
-    /// ```
-    /// use phugoid_flight_data::csv::{self, CsvOptions};
-    /// let text = "time_s,alpha_deg,elevatr_deg\n0,1,2\n1,1,2\n";
-    /// let record = csv::read(text.as_bytes(), "flight.csv", &CsvOptions::default())?;
-    /// let misspelt = record.misspelt();
-    /// assert_eq!((misspelt[0].header.as_str(), misspelt[0].channel), ("elevatr_deg", "elevator"));
-    /// # Ok::<(), csv::ReadError>(())
-    /// ```
-    pub fn misspelt(&self) -> Vec<Misspelt> {
-        misspelt::of(self)
     }
 
     /// Number of samples: times, and values of each channel.

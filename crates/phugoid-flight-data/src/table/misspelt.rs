@@ -46,21 +46,34 @@ pub(super) fn can_be(channel: &str, unit: Option<Unit>) -> bool {
     unit.is_none_or(|unit| channels::by_name(channel).is_some_and(|spec| spec.quantity == unit.quantity))
 }
 
-/// The columns whose names are like those of channels that the record lacks.
-pub(crate) fn of(record: &Record) -> Vec<Misspelt> {
-    let unknown = record.quality.channels.iter().filter(|column| channels::by_name(&column.name).is_none());
-    unknown
-        .filter_map(|column| {
-            let below = (column.unit != "-").then_some(column.unit.as_str());
-            let meaning = header::interpret(&column.header, None).ok()?;
-            let Meaning::Unknown { unit, doubt: Some(Doubt::Near { name, like }), .. } = meaning else { return None };
-            let unit = unit.or_else(|| below.and_then(|text| crate::units::find(text).first().copied()));
-            let is_lacking = record.channel(name).is_none() && can_be(name, unit);
-            is_lacking.then(|| Misspelt {
-                header: column.header.clone(),
-                channel: name,
-                message: message(&column.header, name, like, unit),
+impl Record {
+    /// The columns that were kept as signals of their own and whose names are like those of channels that the record lacks.
+    ///
+    /// ```
+    /// use phugoid_flight_data::csv::{self, CsvOptions};
+    /// let text = "time_s,alpha_deg,elevatr_deg\n0,1,2\n1,1,2\n";
+    /// let record = csv::read(text.as_bytes(), "flight.csv", &CsvOptions::default())?;
+    /// let misspelt = record.misspelt();
+    /// assert_eq!((misspelt[0].header.as_str(), misspelt[0].channel), ("elevatr_deg", "elevator"));
+    /// # Ok::<(), csv::ReadError>(())
+    /// ```
+    pub fn misspelt(&self) -> Vec<Misspelt> {
+        let unknown = self.quality.channels.iter().filter(|column| channels::by_name(&column.name).is_none());
+        unknown
+            .filter_map(|column| {
+                let below = (column.unit != "-").then_some(column.unit.as_str());
+                let meaning = header::interpret(&column.header, None).ok()?;
+                let Meaning::Unknown { unit, doubt: Some(Doubt::Near { name, like }), .. } = meaning else {
+                    return None;
+                };
+                let unit = unit.or_else(|| below.and_then(|text| crate::units::find(text).first().copied()));
+                let is_lacking = self.channel(name).is_none() && can_be(name, unit);
+                is_lacking.then(|| Misspelt {
+                    header: column.header.clone(),
+                    channel: name,
+                    message: message(&column.header, name, like, unit),
+                })
             })
-        })
-        .collect()
+            .collect()
+    }
 }
