@@ -2,11 +2,8 @@
 
 use std::sync::Arc;
 
-use phugoid_flight_dynamics::actuator::Actuators;
-use phugoid_flight_dynamics::aircraft::{AirData, Aircraft, Coefficients, Controls, DataRange, Geometry, Propulsion};
-use phugoid_flight_dynamics::atmosphere::Atmosphere;
-use phugoid_flight_dynamics::fuel::Burnt;
-use phugoid_flight_dynamics::mass::MassProperties;
+use phugoid_flight_dynamics::aircraft::{AirData, Aircraft as _, Coefficients, Controls};
+use phugoid_flight_dynamics::modified::Modified;
 use phugoid_flight_dynamics::scalar::Scalar;
 
 use super::AircraftFile;
@@ -53,21 +50,11 @@ impl Scaled {
     }
 }
 
-impl Aircraft for Scaled {
-    fn geometry(&self) -> &Geometry {
-        self.aircraft.geometry()
-    }
+impl Modified for Scaled {
+    type Unmodified = AircraftFile;
 
-    fn mass_properties(&self) -> &MassProperties {
-        self.aircraft.mass_properties()
-    }
-
-    fn gravity(&self) -> f64 {
-        self.aircraft.gravity()
-    }
-
-    fn atmosphere(&self) -> Atmosphere {
-        self.aircraft.atmosphere()
+    fn unmodified(&self) -> &AircraftFile {
+        &self.aircraft
     }
 
     fn coefficients<T: Scalar>(&self, air: &AirData<T>, rates: [T; 3], controls: &Controls<T>) -> Coefficients<T> {
@@ -83,47 +70,5 @@ impl Aircraft for Scaled {
         // A derivative, which is zero at the reference.
         let written = self.aircraft.alpha_rate_coefficients(air, rates, controls)?;
         Some(self.scaled(written, air.alpha, [0.0; 6]))
-    }
-
-    fn propulsion<T: Scalar>(&self, power: T, altitude: T, mach: T) -> Propulsion<T> {
-        self.aircraft.propulsion(power, altitude, mach)
-    }
-
-    fn slipstream_coefficients<T: Scalar>(
-        &self,
-        propulsion: &Propulsion<T>,
-        air: &AirData<T>,
-        rates: [T; 3],
-        controls: &Controls<T>,
-    ) -> Option<Coefficients<T>> {
-        self.aircraft.slipstream_coefficients(propulsion, air, rates, controls)
-    }
-
-    fn fuel_flow(&self, power: f64, altitude: f64, mach: f64) -> f64 {
-        self.aircraft.fuel_flow(power, altitude, mach)
-    }
-
-    fn after_burning(&self, fuel: f64) -> Option<Burnt> {
-        self.aircraft.after_burning(fuel)
-    }
-
-    fn power_rate<T: Scalar>(&self, throttle: T, power: T) -> T {
-        self.aircraft.power_rate(throttle, power)
-    }
-
-    fn steady_power<T: Scalar>(&self, throttle: T) -> T {
-        self.aircraft.steady_power(throttle)
-    }
-
-    fn actuators(&self) -> &Actuators {
-        self.aircraft.actuators()
-    }
-
-    fn surface_stops(&self) -> [[f64; 2]; 3] {
-        self.aircraft.surface_stops()
-    }
-
-    fn data_range(&self) -> DataRange {
-        self.aircraft.data_range()
     }
 }
