@@ -1,6 +1,6 @@
 //! Holds the answers against the record and against one another, and asks whether the units of the record can be right.
 
-use phugoid_flight_data::plausibility::Doubt;
+use phugoid_flight_data::plausibility::{Cause, Doubt};
 use phugoid_flight_data::record::{Quantity, Record};
 
 use super::answers::{Answers, DraftError, DraftedAxes};
@@ -36,7 +36,9 @@ pub(super) fn doubts(contents: &Contents<'_>, answers: &Answers, aircraft: &Airc
     }
     let speed =
         contents.middle("true_airspeed").or_else(|| contents.other_speed().and_then(|name| contents.middle(name)));
-    if let (Some(speed), Some(density)) = (speed, aircraft.density) {
+    // What carries an aircraft that stands for most of the record are its wheels.
+    let stands = found.iter().any(|doubt| doubt.cause == Cause::Standing);
+    if let (Some(speed), Some(density), false) = (speed, aircraft.density, stands) {
         let pressure = 0.5 * density * speed * speed;
         // In steady flight the specific force along body z is one g. What is doubted itself is no witness against the mass.
         let doubted = found.iter().any(|doubt| doubt.channels.iter().any(|name| name == "az"));
