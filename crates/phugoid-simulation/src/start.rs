@@ -3,8 +3,9 @@
 use phugoid_flight_dynamics::aircraft::{Aircraft, State};
 use phugoid_flight_dynamics::earth::Earth;
 use phugoid_flight_dynamics::globe::attitude::EulerAngles;
-use phugoid_flight_dynamics::globe::vector::{Matrix, Vector, add, apply, apply_transposed, product, transpose};
+use phugoid_flight_dynamics::globe::vector::{Matrix, add, apply, apply_transposed, product, transpose};
 use phugoid_flight_dynamics::modified::Modified;
+use phugoid_flight_dynamics::rigid_body::Angles;
 use phugoid_flight_dynamics::standard_atmosphere::geopotential_altitude;
 use phugoid_flight_dynamics::trim::{Trim, TrimCondition, TrimError, trim};
 
@@ -51,7 +52,8 @@ pub(crate) fn state_of(scenario: &Scenario, trim: &Trim) -> State {
     (state.phi, state.theta, state.psi) = (roll, pitch, yaw);
     // Rates of the trim are relative to north, east and down.
     let here = earth.under(&state);
-    let through_air = apply_transposed(&body, velocity(&state));
+    let velocity = Angles::of(state.alpha, state.beta, state.phi, state.theta).body_velocity(state.speed);
+    let through_air = apply_transposed(&body, velocity);
     let [north, east] = wind(scenario, &state);
     let carried = here.transport_rate([through_air[0] + north, through_air[1] + east]);
     let turning = apply(&body, add(here.rotation, carried));
@@ -100,12 +102,6 @@ fn pull(scenario: &Scenario, earth: &Earth) -> Pull {
 fn wind(scenario: &Scenario, state: &State) -> [f64; 2] {
     let profile = scenario.wind.as_ref().map(Wind::profile).and_then(Result::ok);
     profile.map_or([0.0; 2], |profile| profile.at(state.altitude).velocity)
-}
-
-/// Velocity in body axes, m/s.
-fn velocity(state: &State) -> Vector {
-    let ((sin_alpha, cos_alpha), (sin_beta, cos_beta)) = (state.alpha.sin_cos(), state.beta.sin_cos());
-    [state.speed * cos_alpha * cos_beta, state.speed * sin_beta, state.speed * sin_alpha * cos_beta]
 }
 
 fn attitude(state: &State) -> Matrix {

@@ -213,20 +213,16 @@ pub fn fly_by<const X: usize, L: Loads<X> + ?Sized>(
         }
         let h = instant(i + 1) - now;
         let k1 = Rates::of(&first);
-        if integration == Integration::AdamsBashforth2
-            && let Some(before) = before.replace(k1.clone())
-        {
-            state = k1.extrapolated(&before).after(&state, h);
-            state.attitude = state.attitude.normalised();
-            if !is_finite(&state) {
-                return Err(FlightError::NotFinite { time: now + h });
+        let mean = match (integration, &before) {
+            (Integration::AdamsBashforth2, Some(before)) => k1.extrapolated(before),
+            _ => {
+                let k2 = Rates::of(&motion(world, vehicle, now + 0.5 * h, &k1.after(&state, 0.5 * h)));
+                let k3 = Rates::of(&motion(world, vehicle, now + 0.5 * h, &k2.after(&state, 0.5 * h)));
+                let k4 = Rates::of(&motion(world, vehicle, now + h, &k3.after(&state, h)));
+                k1.mean(&k2, &k3, &k4)
             }
-            continue;
-        }
-        let k2 = Rates::of(&motion(world, vehicle, now + 0.5 * h, &k1.after(&state, 0.5 * h)));
-        let k3 = Rates::of(&motion(world, vehicle, now + 0.5 * h, &k2.after(&state, 0.5 * h)));
-        let k4 = Rates::of(&motion(world, vehicle, now + h, &k3.after(&state, h)));
-        let mean = k1.mean(&k2, &k3, &k4);
+        };
+        before = Some(k1);
         state = mean.after(&state, h);
         state.attitude = state.attitude.normalised();
         if !is_finite(&state) {
@@ -243,7 +239,6 @@ fn is_finite<const X: usize>(state: &GlobeState<X>) -> bool {
 }
 
 /// Time derivative of a state.
-#[derive(Clone)]
 struct Rates<const X: usize> {
     velocity: Vector,
     acceleration: Vector,

@@ -31,6 +31,21 @@ pub struct Ellipsoid {
     pub rotation_rate: f64,
 }
 
+impl Ellipsoid {
+    /// The Earth of WGS 84: ellipsoid, rotation, and gravitation with the second zonal harmonic.
+    ///
+    /// National Imagery and Mapping Agency TR8350.2, 3rd ed. 2000: radius 6378137 m, flattening 1/298.257223563,
+    /// 7.292115e-5 rad/s, 3.986004418e14 m^3/s^2. The second zonal harmonic is 1.08262982e-3, the value of the check
+    /// cases of NASA/TM-2015-218675.
+    pub const WGS84: Self = Self {
+        equatorial_radius: 6_378_137.0,
+        flattening: 1.0 / 298.257_223_563,
+        gravitational_parameter: 3.986_004_418e14,
+        j2: 1.082_629_82e-3,
+        rotation_rate: 7.292_115e-5,
+    };
+}
+
 /// What a vehicle flies over.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Planet {
@@ -45,18 +60,8 @@ pub enum Planet {
 }
 
 impl Planet {
-    /// The Earth of WGS 84: ellipsoid, rotation, and gravitation with the second zonal harmonic.
-    ///
-    /// National Imagery and Mapping Agency TR8350.2, 3rd ed. 2000: radius 6378137 m, flattening 1/298.257223563,
-    /// 7.292115e-5 rad/s, 3.986004418e14 m^3/s^2. The second zonal harmonic is 1.08262982e-3, the value of the check
-    /// cases of NASA/TM-2015-218675.
-    pub const WGS84: Self = Self::Ellipsoid(Ellipsoid {
-        equatorial_radius: 6_378_137.0,
-        flattening: 1.0 / 298.257_223_563,
-        gravitational_parameter: 3.986_004_418e14,
-        j2: 1.082_629_82e-3,
-        rotation_rate: 7.292_115e-5,
-    });
+    /// [`Ellipsoid::WGS84`].
+    pub const WGS84: Self = Self::Ellipsoid(Ellipsoid::WGS84);
 
     /// A sphere with an inverse-square field: radius in m, gravitational constant times mass in m^3/s^2, rotation in
     /// rad/s (positive eastwards).

@@ -152,11 +152,6 @@ impl Stepper {
         }
     }
 
-    /// The altitude by which the aircraft's atmosphere counts, m.
-    fn air_altitude(&self, state: &State) -> f64 {
-        if self.earth.is_some() { geopotential_altitude(state.altitude) } else { state.altitude }
-    }
-
     /// Surface positions behind the actuators and their play, `[elevator, aileron, rudder]`, rad. Without actuators they are where
     /// they began.
     pub fn positions(&self) -> [f64; ACTUATOR_STATES] {
@@ -189,7 +184,7 @@ impl Stepper {
             air: motion.air,
             specific_force: motion.specific_force,
             angular_acceleration: [motion.rates.p, motion.rates.q, motion.rates.r],
-            propulsive_force: aircraft.propulsion(state.power, self.air_altitude(&state), motion.air.mach).force,
+            propulsive_force: aircraft.propulsion(state.power, air_altitude(self.earth, &state), motion.air.mach).force,
             coefficients: motion.coefficients,
             wind: wind.velocity,
             ground_velocity: [motion.rates.north / north, motion.rates.east / east, -motion.rates.altitude],
@@ -221,9 +216,9 @@ impl Stepper {
         air: impl FnMut(f64) -> AirMotion,
         increments: impl Fn(f64) -> Increments,
     ) -> Result<(), SimulationError> {
-        let over_earth = self.earth.is_some();
+        let earth = self.earth;
         let flow = |state: &State| {
-            let altitude = if over_earth { geopotential_altitude(state.altitude) } else { state.altitude };
+            let altitude = air_altitude(earth, state);
             let mach = state.speed / aircraft.atmosphere().at(altitude).speed_of_sound;
             aircraft.fuel_flow(state.power, altitude, mach)
         };
@@ -300,12 +295,17 @@ impl Stepper {
         if let Some((_, state)) = self.x.iter().zip(NAMES).find(|(v, _)| !v.is_finite()) {
             return Err(SimulationError::NotFinite { state, time, last_speed });
         }
-        let (altitude, ceiling) = (self.air_altitude(&self.state()), aircraft.atmosphere().ceiling());
+        let (altitude, ceiling) = (air_altitude(self.earth, &self.state()), aircraft.atmosphere().ceiling());
         if altitude > ceiling {
             return Err(SimulationError::AboveTheAir { time, altitude, ceiling });
         }
         Ok(())
     }
+}
+
+/// The altitude by which the aircraft's atmosphere counts, m: over a planet that of the state is geometric.
+fn air_altitude(earth: Option<Earth>, state: &State) -> f64 {
+    if earth.is_some() { geopotential_altitude(state.altitude) } else { state.altitude }
 }
 
 fn angles(state: &State) -> EulerAngles {

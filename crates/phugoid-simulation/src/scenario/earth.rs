@@ -1,16 +1,13 @@
 //! The planet that a scenario is flown over.
 
 use phugoid_flight_dynamics::earth::Earth;
-use phugoid_flight_dynamics::globe::planet::Planet;
+use phugoid_flight_dynamics::globe::planet::{Ellipsoid, Planet};
 use serde::Deserialize;
 
 use crate::quantity::Angle;
 
-/// Mean radius of the Earth, m, and its gravitational constant times mass, m^3/s^2 (WGS 84, TR8350.2 3rd ed.: `R_1` and GM).
+/// Mean radius of the Earth, m (WGS 84, TR8350.2 3rd ed.: `R_1`).
 const MEAN_RADIUS: f64 = 6_371_008.771_4;
-const GRAVITATION: f64 = 3.986_004_418e14;
-/// Rotation of the Earth, rad/s.
-const ROTATION: f64 = 7.292_115e-5;
 
 /// The planet that a flight goes over, and where it begins. Without it the earth is a plane at rest, with the gravity that the
 /// aircraft's data assume.
@@ -66,12 +63,11 @@ impl EarthSettings {
     /// # Errors
     /// A sentence that names the entry that is wrong and what is expected of it.
     pub fn earth(&self) -> Result<Earth, String> {
-        let rotation_rate = if self.rotating { ROTATION } else { 0.0 };
-        let planet = match (self.shape, Planet::WGS84) {
-            (EarthShape::Wgs84, Planet::Ellipsoid(figure)) => {
-                Planet::Ellipsoid(phugoid_flight_dynamics::globe::planet::Ellipsoid { rotation_rate, ..figure })
-            }
-            _ => Planet::sphere(MEAN_RADIUS, GRAVITATION, rotation_rate),
+        let Ellipsoid { gravitational_parameter, rotation_rate, .. } = Ellipsoid::WGS84;
+        let rotation_rate = if self.rotating { rotation_rate } else { 0.0 };
+        let planet = match self.shape {
+            EarthShape::Wgs84 => Planet::Ellipsoid(Ellipsoid { rotation_rate, ..Ellipsoid::WGS84 }),
+            EarthShape::Round => Planet::sphere(MEAN_RADIUS, gravitational_parameter, rotation_rate),
         };
         let (latitude, longitude) = (self.latitude.si(), self.longitude.si());
         if !(-std::f64::consts::TAU..=std::f64::consts::TAU).contains(&longitude) {
