@@ -7,7 +7,7 @@ use phugoid_flight_data::record::Record;
 use phugoid_identification::estimate::{EstimateOptions, StructureSearch, estimate};
 use phugoid_identification::estimation::{EstimationStatus, UncertainQuantity};
 use phugoid_identification::method::Method;
-use phugoid_identification::model_file::{DatabasePart, ModelFile, Thrust};
+use phugoid_identification::model_file::{AirDensity, DatabasePart, ModelFile, Thrust};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use serde::Serialize;
@@ -30,35 +30,44 @@ const fn site(quantity: UncertainQuantity, of: &'static str) -> Site {
 }
 
 /// All sites.
-pub const SITES: [Site; 21] = [
+pub const SITES: [Site; 30] = [
     site(UncertainQuantity::AirspeedScale, "true_airspeed"),
     site(UncertainQuantity::AirspeedPerAlpha, "true_airspeed"),
+    site(UncertainQuantity::AirDensity, ""),
     site(UncertainQuantity::FlowAngleScale, "alpha"),
     site(UncertainQuantity::FlowAngleScale, "beta"),
     site(UncertainQuantity::FlowAngleZero, "alpha"),
     site(UncertainQuantity::FlowAngleZero, "beta"),
     site(UncertainQuantity::FlowAngleLag, "alpha"),
     site(UncertainQuantity::FlowAngleLag, "beta"),
+    site(UncertainQuantity::FlowAnglePosition, "alpha"),
+    site(UncertainQuantity::FlowAnglePosition, "beta"),
     site(UncertainQuantity::SurfaceScale, "elevator"),
     site(UncertainQuantity::SurfaceScale, "aileron"),
     site(UncertainQuantity::SurfaceScale, "rudder"),
     site(UncertainQuantity::SurfaceSkew, ""),
+    site(UncertainQuantity::SurfacePlay, "elevator"),
+    site(UncertainQuantity::SurfacePlay, "aileron"),
+    site(UncertainQuantity::SurfacePlay, "rudder"),
     site(UncertainQuantity::AccelerationScale, "ax"),
     site(UncertainQuantity::AccelerationScale, "ay"),
     site(UncertainQuantity::AccelerationScale, "az"),
+    site(UncertainQuantity::AccelerationPosition, "ahead"),
+    site(UncertainQuantity::AccelerationPosition, "below"),
     site(UncertainQuantity::Mass, ""),
     site(UncertainQuantity::Inertia, "ixx"),
     site(UncertainQuantity::Inertia, "iyy"),
     site(UncertainQuantity::Inertia, "izz"),
     site(UncertainQuantity::CentreOfGravity, ""),
+    site(UncertainQuantity::Geometry, ""),
     site(UncertainQuantity::Thrust, ""),
 ];
 
 impl Site {
     /// Puts an error of size `c` (in the unit of the quantity) into a flight, its model file and what is true about the
     /// centre of gravity that the model file means: a sensor shows `(1 + c)` times what is true, `c` radians more, or what was true `c`
-    /// seconds before, and the aircraft has `(1 + c)` times what the model file says, or its centre of gravity `c` chords
-    /// behind.
+    /// seconds before, or stands `c` metres ahead or below; the aircraft has `(1 + c)` times what the model file says, its centre of
+    /// gravity `c` chords behind, or as much play between what is recorded and a surface as `c` has, whatever its sign.
     fn apply(self, c: f64, record: &mut Record, model: &mut ModelFile, truth: &mut BTreeMap<String, TrueParameter>) {
         match self.quantity {
             UncertainQuantity::AirspeedScale
@@ -66,15 +75,48 @@ impl Site {
             | UncertainQuantity::SurfaceScale
             | UncertainQuantity::AccelerationScale => each(record, self.of, |v| v * (1.0 + c)),
             UncertainQuantity::AirspeedPerAlpha => {
-                let alpha = record.channel("alpha").map(|channel| channel.values.clone()).unwrap_or_default();
-                let mut alpha = alpha.into_iter();
+                let mut alpha = values(record, "alpha").into_iter();
                 each(record, self.of, |v| {
                     let here = alpha.next().filter(|a| a.is_finite()).unwrap_or(0.0);
                     v * (1.0 + c * here)
                 });
             }
+            UncertainQuantity::AirDensity => {
+                each(record, "air_density", |v| v * (1.0 + c));
+                match &mut model.aircraft.air_density {
+                    AirDensity::Known(source) => constant(source, 1.0 + c),
+                    // As much denser as the air is so far below.
+                    AirDensity::StandardAtmosphere | AirDensity::BookAtmosphere => {
+                        each(record, "altitude", |v| v - c * DENSITY_HEIGHT_M);
+                    }
+                }
+            }
             UncertainQuantity::FlowAngleZero => each(record, self.of, |v| v + c),
             UncertainQuantity::FlowAngleLag => delay(record, self.of, c),
+            UncertainQuantity::FlowAnglePosition => {
+                let (rate, sign) = if self.of == "alpha" { ("q", -1.0) } else { ("r", 1.0) };
+                let speeds = values(record, "true_airspeed");
+                let moved: Vec<f64> =
+                    values(record, rate).iter().zip(speeds).map(|(rate, v)| sign * c * rate / v).collect();
+                add(record, self.of, &moved);
+            }
+            UncertainQuantity::AccelerationPosition => {
+                let arm = if self.of == "ahead" { [c, 0.0, 0.0] } else { [0.0, 0.0, c] };
+                for (name, moved) in ["ax", "ay", "az"].into_iter().zip(felt_at(record, arm)) {
+                    add(record, name, &moved);
+                }
+            }
+            UncertainQuantity::SurfacePlay => {
+                // What is recorded lies ahead of the surface by half the play, after it has moved that far in one direction.
+                let half = 0.5 * c.abs();
+                let (mut ahead, mut before) = (0.0_f64, None);
+                each(record, self.of, |v| {
+                    if v.is_finite() {
+                        ahead = (ahead + v - before.replace(v).unwrap_or(v)).clamp(-half, half);
+                    }
+                    v + ahead
+                });
+            }
             UncertainQuantity::SurfaceSkew => {
                 ["elevator", "aileron", "rudder"].into_iter().for_each(|name| delay(record, name, c));
             }
@@ -102,6 +144,12 @@ impl Site {
                     }
                 }
             }
+            UncertainQuantity::Geometry => {
+                let aircraft = &mut model.aircraft;
+                aircraft.wing_area /= (1.0 + c).powi(2);
+                aircraft.mean_chord /= 1.0 + c;
+                aircraft.wing_span = aircraft.wing_span.map(|span| span / (1.0 + c));
+            }
             UncertainQuantity::Thrust => {
                 each(record, "thrust", |v| v / (1.0 + c));
                 if let Thrust::Known(source) = &mut model.aircraft.thrust {
@@ -112,6 +160,43 @@ impl Site {
             UncertainQuantity::BaseTables => {}
         }
     }
+}
+
+/// Height over which the density of the troposphere falls by one part in `e`, m: `1/(g/(R T) - L/T)` at 273 K.
+const DENSITY_HEIGHT_M: f64 = 9874.0;
+
+/// The values of a channel; of one that the record lacks, and for each sample that has none, NaN.
+fn values(record: &Record, name: &str) -> Vec<f64> {
+    record.channel(name).map_or_else(|| vec![f64::NAN; record.time.len()], |channel| channel.values.clone())
+}
+
+/// Adds to the values of a channel what is a number.
+fn add(record: &mut Record, name: &str, moved: &[f64]) {
+    let mut moved = moved.iter();
+    each(record, name, |v| v + moved.next().copied().filter(|m| m.is_finite()).unwrap_or(0.0));
+}
+
+/// What accelerometers at `arm` (m, body axes) feel more than at the centre of gravity, by axis: `w' x r + w x (w x r)`, m/s^2. A rate that is
+/// not recorded is zero; their derivatives are central differences.
+fn felt_at(record: &Record, arm: [f64; 3]) -> [Vec<f64>; 3] {
+    let time = &record.time;
+    let or_zero = |name: &str| -> Vec<f64> {
+        values(record, name).into_iter().map(|v| if v.is_finite() { v } else { 0.0 }).collect()
+    };
+    let rates = ["p", "q", "r"].map(or_zero);
+    let cross =
+        |a: [f64; 3], b: [f64; 3]| [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+    let felt: Vec<[f64; 3]> = (0..time.len())
+        .map(|k| {
+            let (before, after) = (k.saturating_sub(1), (k + 1).min(time.len() - 1));
+            let step_s = time[after] - time[before];
+            let accelerations = rates.each_ref().map(|rate| (rate[after] - rate[before]) / step_s);
+            let rates = rates.each_ref().map(|rate| rate[k]);
+            let (turned, swung) = (cross(accelerations, arm), cross(rates, cross(rates, arm)));
+            std::array::from_fn(|i| turned[i] + swung[i])
+        })
+        .collect();
+    std::array::from_fn(|axis| felt.iter().map(|felt| felt[axis]).collect())
 }
 
 /// How the errors are drawn.

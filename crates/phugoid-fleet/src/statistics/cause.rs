@@ -278,8 +278,11 @@ fn causes(asked: &[Asked]) -> Vec<(Cause, DMatrix<f64>)> {
         .collect();
     let zero = DVector::from_iterator(count, asked.iter().map(|one| of_zero(asked, &one.course.parameter)));
     for (place, quantity) in UncertainQuantity::ALL.into_iter().enumerate() {
-        // The tables of a base are the same in all flights of all airframes, and nothing changes with them.
-        if quantity == UncertainQuantity::BaseTables {
+        // Tables and geometry are the same in all flights of all airframes, and the density is that of the day.
+        if matches!(
+            quantity,
+            UncertainQuantity::BaseTables | UncertainQuantity::Geometry | UncertainQuantity::AirDensity
+        ) {
             continue;
         }
         let effects = effects(asked, place);

@@ -10,10 +10,10 @@ pub enum Owner {
     /// The airframe and its sensors: the same in all its flights, another one in each airframe.
     Airframe,
     /// The airframe or the single flight, nobody knows: the mass is wrong by the weighing of the empty aircraft, and by the
-    /// fuel of the day. Where a mean is formed it counts as shared by all flights, and where flights are compared as their
+    /// fuel of the day; the density of the air by a sensor, and by the temperature of the day. Where a mean is formed it counts as shared by all flights, and where flights are compared as their
     /// own: each is the choice that makes a bound larger.
     Loading,
-    /// The type: the same in all airframes, as the thrust of a table of the engine, or the tables that increments are estimated to.
+    /// The type: the same in all airframes, as the thrust of a table of the engine, the size of the wing, or the tables that increments are estimated to.
     Fleet,
 }
 
@@ -25,12 +25,15 @@ pub const fn owner(quantity: UncertainQuantity) -> Owner {
         | UncertainQuantity::FlowAngleScale
         | UncertainQuantity::FlowAngleZero
         | UncertainQuantity::FlowAngleLag
+        | UncertainQuantity::FlowAnglePosition
         | UncertainQuantity::SurfaceScale
         | UncertainQuantity::SurfaceSkew
+        | UncertainQuantity::SurfacePlay
         | UncertainQuantity::AccelerationScale
+        | UncertainQuantity::AccelerationPosition
         | UncertainQuantity::Inertia => Owner::Airframe,
-        UncertainQuantity::Mass | UncertainQuantity::CentreOfGravity => Owner::Loading,
-        UncertainQuantity::Thrust | UncertainQuantity::BaseTables => Owner::Fleet,
+        UncertainQuantity::Mass | UncertainQuantity::CentreOfGravity | UncertainQuantity::AirDensity => Owner::Loading,
+        UncertainQuantity::Geometry | UncertainQuantity::Thrust | UncertainQuantity::BaseTables => Owner::Fleet,
     }
 }
 

@@ -18,6 +18,10 @@ pub(crate) struct ScalingPowers {
     pub mass: f64,
     /// Of the true moment of inertia over the one of the model file.
     pub inertia: f64,
+    /// Of the density that is shown, or worked out from what is.
+    pub density: f64,
+    /// Of the true chord or span over the one of the model file, which is smaller in the regressor.
+    pub length: f64,
 }
 
 impl ScalingPowers {
@@ -26,8 +30,8 @@ impl ScalingPowers {
     pub(crate) fn of(coefficient: Coefficient, term: &Term, rates_by_airspeed: bool) -> Self {
         // Rates are divided by the airspeed.
         let by_rate = if rates_by_airspeed { 1.0 } else { 0.0 };
-        // By dynamic pressure.
-        let mut powers = Self { airspeed: 2.0, ..Self::default() };
+        // By dynamic pressure and wing area.
+        let mut powers = Self { airspeed: 2.0, density: 1.0, length: -2.0, ..Self::default() };
         for (factor, power) in term.powers() {
             let power = f64::from(power);
             match Variable::ALL.get(factor) {
@@ -36,9 +40,11 @@ impl ScalingPowers {
                 Some(Variable::AlphaRate) => {
                     powers.alpha += power;
                     powers.airspeed -= by_rate * power;
+                    powers.length -= power;
                 }
                 Some(Variable::RollRate | Variable::PitchRate | Variable::YawRate) => {
                     powers.airspeed -= by_rate * power;
+                    powers.length -= power;
                 }
                 Some(Variable::Airspeed) => powers.airspeed += power,
                 Some(Variable::Elevator) => powers.surfaces[0] += power,
@@ -51,6 +57,7 @@ impl ScalingPowers {
             Coefficient::Lift | Coefficient::Drag | Coefficient::SideForce => powers.mass = 1.0,
             Coefficient::PitchingMoment | Coefficient::RollingMoment | Coefficient::YawingMoment => {
                 powers.inertia = 1.0;
+                powers.length -= 1.0;
             }
         }
         powers

@@ -5,7 +5,7 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 
 /// Room for the constants whose errors a method follows: those of the motion that has most.
-pub(crate) const ROOM_FOR_CONSTANTS: usize = 14;
+pub(crate) const ROOM_FOR_CONSTANTS: usize = 21;
 
 /// A quantity with a declared uncertainty. Written as its key under `[uncertainty]`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
@@ -15,24 +15,34 @@ pub enum UncertainQuantity {
     AirspeedScale,
     /// Error of the airspeed that grows with the angle of attack (position error), as a part of it per radian.
     AirspeedPerAlpha,
+    /// Density of the air, and with it the static pressure and the temperature that it is worked out from.
+    AirDensity,
     /// Scale of the angles of attack and sideslip: the vane and the flow about the fuselage (upwash).
     FlowAngleScale,
     /// Zero of the angles of attack and sideslip, rad: a vane that is not aligned with the body axes.
     FlowAngleZero,
     /// Lag of the angles of attack and sideslip, s.
     FlowAngleLag,
+    /// Position of the vanes along body x, m ahead of where the model file says.
+    FlowAnglePosition,
     /// Scale of the positions of the control surfaces.
     SurfaceScale,
     /// Time by which the record of the surfaces is late, s.
     SurfaceSkew,
+    /// Play between what is recorded and each surface, rad from one end to the other.
+    SurfacePlay,
     /// Scale of each accelerometer.
     AccelerationScale,
+    /// Position of the accelerometers, m ahead of (body x) and below (body z) where the model file says, each by itself.
+    AccelerationPosition,
     /// Mass of the aircraft.
     Mass,
     /// Moments of inertia.
     Inertia,
     /// Position of the centre of gravity along body x, mean chords.
     CentreOfGravity,
+    /// Chord and span, all by the same part, and with them the wing area by twice as much.
+    Geometry,
     /// Thrust.
     Thrust,
     /// Tables and numbers of the aircraft of a file that increments are estimated to (`base`). No constant of a motion: the estimate
@@ -43,18 +53,23 @@ pub enum UncertainQuantity {
 
 impl UncertainQuantity {
     /// All of them, in the order of the keys of `[uncertainty]`.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 18] = [
         Self::AirspeedScale,
         Self::AirspeedPerAlpha,
+        Self::AirDensity,
         Self::FlowAngleScale,
         Self::FlowAngleZero,
         Self::FlowAngleLag,
+        Self::FlowAnglePosition,
         Self::SurfaceScale,
         Self::SurfaceSkew,
+        Self::SurfacePlay,
         Self::AccelerationScale,
+        Self::AccelerationPosition,
         Self::Mass,
         Self::Inertia,
         Self::CentreOfGravity,
+        Self::Geometry,
         Self::Thrust,
         Self::BaseTables,
     ];
@@ -64,15 +79,20 @@ impl UncertainQuantity {
         match self {
             Self::AirspeedScale => "airspeed_scale",
             Self::AirspeedPerAlpha => "airspeed_per_alpha",
+            Self::AirDensity => "air_density",
             Self::FlowAngleScale => "flow_angle_scale",
             Self::FlowAngleZero => "flow_angle_zero",
             Self::FlowAngleLag => "flow_angle_lag",
+            Self::FlowAnglePosition => "flow_angle_position",
             Self::SurfaceScale => "surface_scale",
             Self::SurfaceSkew => "surface_skew",
+            Self::SurfacePlay => "surface_play",
             Self::AccelerationScale => "acceleration_scale",
+            Self::AccelerationPosition => "acceleration_position",
             Self::Mass => "mass",
             Self::Inertia => "inertia",
             Self::CentreOfGravity => "centre_of_gravity",
+            Self::Geometry => "geometry",
             Self::Thrust => "thrust",
             Self::BaseTables => "base",
         }
@@ -83,15 +103,20 @@ impl UncertainQuantity {
         match self {
             Self::AirspeedScale => "airspeed",
             Self::AirspeedPerAlpha => "airspeed with alpha",
+            Self::AirDensity => "air density",
             Self::FlowAngleScale => "flow angles",
             Self::FlowAngleZero => "zero of flow angles",
             Self::FlowAngleLag => "lag of flow angles",
+            Self::FlowAnglePosition => "position of flow angles",
             Self::SurfaceScale => "surface positions",
             Self::SurfaceSkew => "timing of surfaces",
+            Self::SurfacePlay => "play of surfaces",
             Self::AccelerationScale => "accelerometers",
+            Self::AccelerationPosition => "position of accelerometers",
             Self::Mass => "mass",
             Self::Inertia => "inertia",
             Self::CentreOfGravity => "centre of gravity",
+            Self::Geometry => "geometry",
             Self::Thrust => "thrust",
             Self::BaseTables => "tables of the base",
         }
@@ -102,7 +127,8 @@ impl UncertainQuantity {
         match self {
             Self::FlowAngleLag | Self::SurfaceSkew => UncertaintyUnit::Time,
             Self::AirspeedPerAlpha => UncertaintyUnit::PerAngle,
-            Self::FlowAngleZero => UncertaintyUnit::Angle,
+            Self::FlowAngleZero | Self::SurfacePlay => UncertaintyUnit::Angle,
+            Self::FlowAnglePosition | Self::AccelerationPosition => UncertaintyUnit::Length,
             Self::CentreOfGravity => UncertaintyUnit::Chord,
             _ => UncertaintyUnit::Part,
         }
@@ -113,15 +139,20 @@ impl UncertainQuantity {
         match self {
             Self::AirspeedScale => "a calibration of the airspeed",
             Self::AirspeedPerAlpha => "a calibration of the airspeed over the angles of attack",
+            Self::AirDensity => "a measurement of static pressure and temperature",
             Self::FlowAngleScale => "a calibration of the vanes in flight",
             Self::FlowAngleZero => "an alignment of the vanes with the body axes",
             Self::FlowAngleLag => "a measurement of the lag of the vanes",
+            Self::FlowAnglePosition => "a measurement of where the vanes are",
             Self::SurfaceScale => "a calibration of the surface positions",
             Self::SurfaceSkew => "one clock for surfaces and motion",
+            Self::SurfacePlay => "a measurement of the play of the linkages",
             Self::AccelerationScale => "a calibration of the accelerometers",
+            Self::AccelerationPosition => "a measurement of where the accelerometers are",
             Self::Mass => "weighing the aircraft with its fuel",
             Self::Inertia => "a measurement of the moments of inertia",
             Self::CentreOfGravity => "weighing the aircraft on its wheels for the centre of gravity",
+            Self::Geometry => "a measurement of wing area, chord and span",
             Self::Thrust => "a measurement of the thrust",
             Self::BaseTables => "a better database (a wind tunnel, or increments for its other terms)",
         }
@@ -139,18 +170,21 @@ pub enum UncertaintyUnit {
     Angle,
     /// Seconds.
     Time,
+    /// Metres.
+    Length,
     /// Mean aerodynamic chords.
     Chord,
 }
 
 impl UncertaintyUnit {
-    /// A value in words: `2.0 %`, `30 ms`, `0.15 %/deg`, `0.5 deg`, `0.2 % of the chord`.
+    /// A value in words: `2.0 %`, `30 ms`, `0.05 m`, `0.15 %/deg`, `0.5 deg`, `0.2 % of the chord`.
     pub fn in_words(self, value: f64) -> String {
         match self {
             Self::Part => format!("{:.1} %", 100.0 * value),
             Self::PerAngle => format!("{:.2} %/deg", 100.0 * value.to_radians()),
             Self::Angle => format!("{:.2} deg", value.to_degrees()),
             Self::Time => format!("{:.0} ms", 1000.0 * value),
+            Self::Length => format!("{value:.2} m"),
             Self::Chord => format!("{:.1} % of the chord", 100.0 * value),
         }
     }
@@ -170,8 +204,8 @@ pub struct SystematicPart {
     /// Its share of the systematic variance, 0 to 1. The shares of a parameter add up to one.
     pub share: f64,
     /// What a positive error of one declared standard uncertainty does to the estimate: estimate less truth, in the unit of the
-    /// parameter. Positive is a sensor that shows too much or too late, a mass, an inertia or a thrust that is larger than the model
-    /// file says, a centre of gravity behind the one that it says, and tables of the base that are really moved in the positive
+    /// parameter. Positive is a sensor that shows too much or too late, or that is farther ahead or below, a mass, an inertia, a thrust or an aircraft
+    /// that is larger than the model file says, play of a linkage, a centre of gravity behind the one that it says, and tables of the base that are really moved in the positive
     /// direction, so that the effects of one quantity on several parameters
     /// can be compared. Where a quantity stands for several constants with errors of their own (alpha and beta, each surface, each
     /// accelerometer, each table), the root of the sum of their squares with the sign of the largest one.

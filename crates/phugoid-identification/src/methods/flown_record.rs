@@ -2,7 +2,6 @@
 
 use phugoid_estimators::{ConstantEffects, LinearizedOutputs, LinearizedRates, RegressorShift};
 
-use super::gate::surface_rates;
 use crate::batch::{Flown, Instant};
 use crate::core::options::CAPACITY;
 use crate::core::systematic::ROOM_FOR_CONSTANTS;
@@ -56,9 +55,8 @@ impl<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize> Flown<N, R>
     ) {
         // Up to the sample, or from it to the next one.
         let end = at.sample + usize::from(at.part.is_some());
-        let moved = |k: usize| (self.time[k], M::deflections(&self.inputs[k]));
-        let rates = end.checked_sub(1).map_or([0.0; 3], |start| surface_rates(moved(start), moved(end)));
-        self.model.effects(x, theta, &at.input(&self.inputs), &rates, out);
+        let Some(surfaces) = self.surface_motion.get(end) else { return };
+        self.model.effects(x, theta, &at.input(&self.inputs), surfaces, out);
     }
 
     fn regressor_shifts(&self, parameter: usize) -> &[RegressorShift] {

@@ -11,6 +11,7 @@ use crate::core::axes::{Axes, Group};
 use crate::core::output::Output;
 use crate::model_file::{Base, ModelFile};
 use crate::models::longitudinal::Database;
+use crate::models::surface_motion::SurfaceMotion;
 use crate::motion::{Known, Motion, MotionModel, ReferencePoint, terms};
 use crate::preparation::excitation::Moved;
 
@@ -19,40 +20,16 @@ use crate::preparation::excitation::Moved;
 pub(crate) struct GatedInput<I> {
     pub(super) input: I,
     pub(super) open: Moved,
-    /// How fast elevator, aileron and rudder have moved since the sample before, rad/s.
-    pub(super) surface_rates: [f64; 3],
+    /// How the surfaces have moved since the sample before.
+    pub(super) surfaces: SurfaceMotion,
 }
 
 impl<I: Input> Input for GatedInput<I> {
     #[inline]
     fn interpolate(&self, other: &Self, s: f64) -> Self {
-        // Since the sample before: those of the interval are those of its end.
-        let surface_rates = other.surface_rates;
-        Self { input: self.input.interpolate(&other.input, s), open: self.open, surface_rates }
+        // Since the sample before: of the interval it is that of its end.
+        Self { input: self.input.interpolate(&other.input, s), open: self.open, surfaces: other.surfaces }
     }
-}
-
-/// The rates of the surfaces from one sample to the next.
-#[derive(Default)]
-pub(super) struct SurfaceRates {
-    /// Time of the sample before, s, and its deflections, rad.
-    before: Option<(f64, [f64; 3])>,
-}
-
-impl SurfaceRates {
-    /// The rates up to the next sample, rad/s: backward differences, zero at the first one and where time does not run.
-    pub(super) fn at(&mut self, time_s: f64, deflections: [f64; 3]) -> [f64; 3] {
-        let now = (time_s, deflections);
-        self.before.replace(now).map_or([0.0; 3], |before| surface_rates(before, now))
-    }
-}
-
-/// How fast the surfaces move from one time (s) and their deflections (rad) to another, rad/s; zero where time does not run.
-pub(super) fn surface_rates(before: (f64, [f64; 3]), after: (f64, [f64; 3])) -> [f64; 3] {
-    if after.0 <= before.0 {
-        return [0.0; 3];
-    }
-    std::array::from_fn(|i| (after.1[i] - before.1[i]) / (after.0 - before.0))
 }
 
 /// A model whose sensitivity to the parameters of a closed group is zero.
@@ -107,7 +84,7 @@ impl<M: Motion<N, R>, const N: usize, const R: usize> Motion<N, R> for Gated<M> 
     }
 
     fn known_input(known: &Known) -> Self::KnownInput {
-        GatedInput { input: M::known_input(known), open: Moved::ALL, surface_rates: [0.0; 3] }
+        GatedInput { input: M::known_input(known), open: Moved::ALL, surfaces: SurfaceMotion::default() }
     }
 
     fn known_channel(input: &Self::KnownInput, channel: Output) -> Option<f64> {
@@ -159,7 +136,7 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> Mo
         u: &Self::Input,
         out: &mut ConstantEffects<N, R, K>,
     ) {
-        self.model.effects(x, theta, &u.input, &u.surface_rates, out);
+        self.model.effects(x, theta, &u.input, &u.surfaces, out);
     }
 
     fn regressor_powers<const K: usize>(&self, x: &[f64; N], column: usize) -> [f64; K] {

@@ -7,7 +7,7 @@ use phugoid_estimators::settings::{EstimatorSettings, ParameterPrior};
 use phugoid_estimators::{ChangeState, DetectorReport, Estimate, Innovations, ParameterStatus, Sample, Status};
 
 use super::changes::Changes;
-use super::gate::{Gated, GatedInput, SurfaceRates, open};
+use super::gate::{Gated, GatedInput, open};
 use super::health_watch::{HealthRun, Monitoring};
 use super::readiness::{ColumnVerdict, ReadinessWatch};
 use super::replay::{Replay, adoptions};
@@ -22,6 +22,7 @@ use crate::core::method::Method;
 use crate::core::options::{KnownChange, Opens};
 use crate::core::systematic::{ByQuantity, SystematicPart};
 use crate::model_file::{Base, ByPowers, ModelFile, Role};
+use crate::models::surface_motion::{SurfaceMotion, SurfaceMotions};
 use crate::motion::{MotionModel, declared};
 use crate::preparation::excitation::{Excitation, Moved};
 
@@ -129,8 +130,8 @@ pub(super) struct Stepper<M: MotionModel<N, R, P>, const N: usize, const R: usiz
     moved: Moved,
     excitation: Excitation,
     lead: Lead<M::KnownInput, R>,
-    /// How fast the surfaces move.
-    surface_rates: SurfaceRates,
+    /// How the surfaces move.
+    surfaces: SurfaceMotions,
     /// Declared standard uncertainty of each constant of the motion.
     declared: Vec<f64>,
     /// Declared uncertainty by column, for a method that does not follow the errors.
@@ -188,7 +189,7 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> St
             excitation: Excitation::of(prepared, noise),
             lead: Lead::default(),
             watch: Watch::new(settings.maximum_step_s.max(3.5 * settings.sample_time_s)),
-            surface_rates: SurfaceRates::default(),
+            surfaces: SurfaceMotions::new(file.uncertainty.surface_play),
             declared: declared::<M, N, R>(file),
             by_powers: prepared.by_powers(file).collect(),
             systematic_std: [0.0; P],
@@ -281,8 +282,8 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> Ca
             }
             opened = change.opens;
         }
-        let surface_rates = self.surface_rates.at(sample.time_s, M::deflections(&sample.input));
-        let gated = gate(sample, open, surface_rates);
+        let motion = self.surfaces.at(sample.time_s, M::deflections(&sample.input));
+        let gated = gate(sample, open, motion);
         let mut estimate = self.estimator.update(&gated);
         // In absolute form the estimator keeps the sums of terms that steady flight determines.
         let starts_anew = self.waiting && self.file.base != Base::None;
@@ -304,10 +305,10 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> Ca
                     *replay = Replay::new();
                     replays = false;
                 }
-                let mut surface_rates = SurfaceRates::default();
+                let mut surfaces = SurfaceMotions::new(self.file.uncertainty.surface_play);
                 for sample in &lead {
-                    let rates = surface_rates.at(sample.time_s, M::deflections(&sample.input));
-                    let gated = gate(sample, open, rates);
+                    let motion = surfaces.at(sample.time_s, M::deflections(&sample.input));
+                    let gated = gate(sample, open, motion);
                     estimate = self.estimator.update(&gated);
                     self.replayed(&gated, &mut estimate)?;
                 }
@@ -473,9 +474,9 @@ impl<I: Copy, const R: usize> Lead<I, R> {
 fn gate<I: Copy, const R: usize>(
     sample: &Sample<I, R>,
     open: Moved,
-    surface_rates: [f64; 3],
+    surfaces: SurfaceMotion,
 ) -> Sample<GatedInput<I>, R> {
-    let input = GatedInput { input: sample.input, open, surface_rates };
+    let input = GatedInput { input: sample.input, open, surfaces };
     Sample { time_s: sample.time_s, input, outputs: sample.outputs }
 }
 

@@ -103,15 +103,20 @@ fn parts(declared: &Uncertainty, coefficient: Coefficient, term: &Term, rate_spe
     UncertainQuantity::ALL.map(|quantity| {
         let power = match quantity {
             UncertainQuantity::AirspeedScale => powers.airspeed,
+            UncertainQuantity::AirDensity => powers.density,
             UncertainQuantity::FlowAngleScale => powers.alpha + powers.beta,
             UncertainQuantity::SurfaceScale => powers.surfaces.iter().sum(),
             UncertainQuantity::Mass => powers.mass,
             UncertainQuantity::Inertia => powers.inertia,
+            UncertainQuantity::Geometry => powers.length,
             UncertainQuantity::AirspeedPerAlpha
             | UncertainQuantity::FlowAngleZero
             | UncertainQuantity::FlowAngleLag
+            | UncertainQuantity::FlowAnglePosition
             | UncertainQuantity::SurfaceSkew
+            | UncertainQuantity::SurfacePlay
             | UncertainQuantity::AccelerationScale
+            | UncertainQuantity::AccelerationPosition
             | UncertainQuantity::CentreOfGravity
             | UncertainQuantity::Thrust
             | UncertainQuantity::BaseTables => 0.0,
@@ -155,16 +160,17 @@ mod tests {
     fn each_derivative_takes_the_scales_that_it_depends_on() {
         let file = ModelFile::parse("mine.toml", &unstated()).unwrap();
         let of = |name: &str| of(&file, name, DatabasePart::default());
-        assert!((of("CL_alpha").std(-2.0) - 2.0 * root(&[0.03, 0.03, 0.03])).abs() < 1e-12);
-        // The model makes the pitch rate dimensionless with the reference speed.
-        assert!((of("Cm_q").std(1.0) - root(&[0.03, 0.06])).abs() < 1e-12);
-        assert!((of("Cm_elevator").std(1.0) - root(&[0.03, 0.03, 0.06])).abs() < 1e-12);
+        assert!((of("CL_alpha").std(-2.0) - 2.0 * root(&[0.03, 0.03, 0.03, 0.02, 0.01])).abs() < 1e-12);
+        // The model makes the pitch rate dimensionless with the reference speed. Density 2 %; lengths 0.5 %, of which lift has two,
+        // a moment three and the pitch rate one more.
+        assert!((of("Cm_q").std(1.0) - root(&[0.03, 0.06, 0.02, 0.02])).abs() < 1e-12);
+        assert!((of("Cm_elevator").std(1.0) - root(&[0.03, 0.03, 0.06, 0.02, 0.015])).abs() < 1e-12);
         assert_eq!(of("Cm_0"), ByPowers::NONE);
         let shares = of("Cm_elevator").shares(1.0);
         let words: Vec<&str> = shares.iter().map(|part| part.quantity.key()).collect();
-        assert_eq!(words, ["inertia", "airspeed_scale", "surface_scale"]);
-        // 36, 9 and 9 parts of 54.
-        assert!((shares[0].share - 36.0 / 54.0).abs() < 1e-12 && (shares[2].share - 9.0 / 54.0).abs() < 1e-12);
+        assert_eq!(words, ["inertia", "airspeed_scale", "surface_scale", "air_density", "geometry"]);
+        // 36, 9, 9, 4 and 2.25 parts of 60.25.
+        assert!((shares[0].share - 36.0 / 60.25).abs() < 1e-12 && (shares[2].share - 9.0 / 60.25).abs() < 1e-12);
         // An airspeed that shows 1.5 % too much makes it smaller by the square, an inertia that is 6 % larger than is said by 6 %.
         assert!((shares[0].effect + 0.06).abs() < 1e-12 && (shares[1].effect + 0.03).abs() < 1e-12);
         assert!(of("Cm_0").shares(1.0).is_empty());
@@ -179,12 +185,12 @@ mod tests {
         let file = ModelFile::parse("mine.toml", text).unwrap();
         let slope = DatabasePart { value: -1.2, ..DatabasePart::default() };
         let by_powers = of(&file, "dCm_elevator", slope);
-        assert!((by_powers.std(0.0) - 1.2 * root(&[0.03, 0.03, 0.06])).abs() < 1e-12);
-        assert!((by_powers.std(0.2) - root(&[0.03, 0.03, 0.06])).abs() < 1e-12);
+        assert!((by_powers.std(0.0) - 1.2 * root(&[0.03, 0.03, 0.06, 0.02, 0.015])).abs() < 1e-12);
+        assert!((by_powers.std(0.2) - root(&[0.03, 0.03, 0.06, 0.02, 0.015])).abs() < 1e-12);
         // Of a constant with the airspeed squared and the mass, and where the scales show the reference point elsewhere.
         let constant = DatabasePart { value: 0.3, by_flow_angles: 0.16, by_surfaces: [-0.01, 0.0, 0.0] };
         let found = of(&file, "dCL_0", constant).std(0.1);
-        let by_hand = root(&[0.03 * 0.4, 0.03 * 0.4, 0.03 * 0.16, 0.03 * 0.01]);
+        let by_hand = root(&[0.03 * 0.4, 0.03 * 0.4, 0.02 * 0.4, 0.01 * 0.4, 0.03 * 0.16, 0.03 * 0.01]);
         assert!((found - by_hand).abs() < 1e-12, "{found} {by_hand}");
     }
 }

@@ -21,6 +21,8 @@ pub struct Uncertainty {
     pub airspeed_scale: f64,
     /// Error of the airspeed that grows with the angle of attack, as a part of it per radian.
     pub airspeed_per_alpha: f64,
+    /// Density of the air, as a part of it.
+    pub air_density: f64,
     /// Scale of the angles of attack and sideslip: the vane and the flow about the fuselage (upwash).
     pub flow_angle_scale: f64,
     /// Zero of the angles of attack and sideslip, rad. Where the model file estimates the bias of the sensor, that is used
@@ -28,18 +30,26 @@ pub struct Uncertainty {
     pub flow_angle_zero: f64,
     /// Lag of the angles of attack and sideslip, s.
     pub flow_angle_lag: f64,
+    /// Position of the vanes along body x, m.
+    pub flow_angle_position: f64,
     /// Scale of the positions of the control surfaces.
     pub surface_scale: f64,
     /// Time by which the record of the surfaces is late, s.
     pub surface_skew: f64,
+    /// Play between what is recorded and each surface, rad from one end to the other.
+    pub surface_play: f64,
     /// Scale of each accelerometer.
     pub acceleration_scale: f64,
+    /// Position of the accelerometers along body x, and along body z, m.
+    pub acceleration_position: f64,
     /// Mass of the aircraft.
     pub mass: f64,
     /// Moments of inertia.
     pub inertia: f64,
     /// Position of the centre of gravity, mean aerodynamic chords.
     pub centre_of_gravity: f64,
+    /// Chord and span, as a part of each; the wing area by twice as much.
+    pub geometry: f64,
     /// Thrust.
     pub thrust: f64,
     /// Tables and numbers of the aircraft that increments are estimated to.
@@ -95,15 +105,20 @@ impl Uncertainty {
     pub const NONE: Self = Self {
         airspeed_scale: 0.0,
         airspeed_per_alpha: 0.0,
+        air_density: 0.0,
         flow_angle_scale: 0.0,
         flow_angle_zero: 0.0,
         flow_angle_lag: 0.0,
+        flow_angle_position: 0.0,
         surface_scale: 0.0,
         surface_skew: 0.0,
+        surface_play: 0.0,
         acceleration_scale: 0.0,
+        acceleration_position: 0.0,
         mass: 0.0,
         inertia: 0.0,
         centre_of_gravity: 0.0,
+        geometry: 0.0,
         thrust: 0.0,
         base: BaseUncertainty::None,
         by_default: false,
@@ -112,17 +127,23 @@ impl Uncertainty {
 
     /// Of an aircraft that was prepared for a flight test: airspeed 1.5 % (14 CFR 25.1323 allows an installation error
     /// of 3 %), flow angles 2 % (position and upwash of a boom), mass 2 % (fuel), and by judgement all else: 0.15 % of the
-    /// airspeed per degree of the angle of attack, a zero of the vane of 0.2 deg, a lag of the vane of 10 ms, surface positions 2 % and 5 ms,
-    /// accelerometers 0.5 %, moments of inertia 3 %, centre of gravity 0.5 % of the chord, thrust 3 %.
+    /// airspeed per degree of the angle of attack, density of the air 0.5 % (static pressure and temperature are measured), a zero of the
+    /// vane of 0.2 deg, a lag of the vane of 10 ms, its position 5 cm, surface positions 2 % and 5 ms with play of 0.1 deg,
+    /// accelerometers 0.5 % and 2 cm, moments of inertia 3 %, centre of gravity 0.5 % of the chord, thrust 3 %; wing area, chord and span are
+    /// exact, because coefficients are referred to those of the drawing.
     pub const FLIGHT_TEST: Self = Self {
         airspeed_scale: 0.015,
         airspeed_per_alpha: PER_ALPHA,
+        air_density: 0.005,
         flow_angle_scale: 0.02,
         flow_angle_zero: 0.2 * DEGREE,
         flow_angle_lag: 0.01,
+        flow_angle_position: 0.05,
         surface_scale: 0.02,
         surface_skew: 0.005,
+        surface_play: 0.1 * DEGREE,
         acceleration_scale: 0.005,
+        acceleration_position: 0.02,
         mass: 0.02,
         inertia: 0.03,
         centre_of_gravity: 0.005,
@@ -132,38 +153,49 @@ impl Uncertainty {
     };
 
     /// Of an aircraft with people in it about which nothing is said, by judgement: nobody says that the vane was
-    /// calibrated in flight (3 %, 0.5 deg, 20 ms), the surfaces under load (3 %, 10 ms), the aircraft weighed with its fuel (3 %,
-    /// 1 % of the chord) or swung (6 %), the accelerometers (1 %) and the thrust (5 %) measured.
+    /// calibrated in flight (3 %, 0.5 deg, 20 ms, 0.1 m), the surfaces under load (3 %, 10 ms, play of 0.1 deg), the aircraft weighed with its
+    /// fuel (3 %, 1 % of the chord) or swung (6 %), the accelerometers (1 %, 5 cm), the thrust (5 %), the wing (lengths 0.5 %) and the
+    /// temperature (density of the air 2 %) measured.
     pub const UNSTATED: Self = Self {
+        air_density: 0.02,
         flow_angle_scale: 0.03,
         flow_angle_zero: 0.5 * DEGREE,
         flow_angle_lag: 0.02,
+        flow_angle_position: 0.1,
         surface_scale: 0.03,
         surface_skew: 0.01,
+        surface_play: 0.1 * DEGREE,
         acceleration_scale: 0.01,
+        acceleration_position: 0.05,
         mass: 0.03,
         inertia: 0.06,
         centre_of_gravity: 0.01,
+        geometry: 0.005,
         thrust: 0.05,
         ..Self::FLIGHT_TEST
     };
 
     /// Of an unmanned aircraft with a vane: moments of inertia 10 % (entrained air changes swing tests of small aircraft by
     /// up to 25 %: J. Lehmkuehler, K. C. Wong, D. Verstraete, *Aeronautical Journal* 120, 2016), and by judgement airspeed
-    /// 3 % and 0.3 % per degree, flow angles 5 %, 1 deg and 30 ms, surface positions 3 % and 15 ms, accelerometers 1 %, mass 1 %
-    /// (it is weighed), centre of gravity 1 % of the chord, thrust 10 %.
+    /// 3 % and 0.3 % per degree, density of the air 2 %, flow angles 5 %, 1 deg, 30 ms and 2 cm, surface positions 3 % and 15 ms with play of
+    /// 0.3 deg, accelerometers 1 % and 2 cm, mass 1 % (it is weighed), centre of gravity 1 % of the chord, lengths 0.5 %, thrust 10 %.
     pub const UNMANNED: Self = Self {
         airspeed_scale: 0.03,
         airspeed_per_alpha: 2.0 * PER_ALPHA,
+        air_density: 0.02,
         flow_angle_scale: 0.05,
         flow_angle_zero: DEGREE,
         flow_angle_lag: 0.03,
+        flow_angle_position: 0.02,
         surface_scale: 0.03,
         surface_skew: 0.015,
+        surface_play: 0.3 * DEGREE,
         acceleration_scale: 0.01,
+        acceleration_position: 0.02,
         mass: 0.01,
         inertia: 0.1,
         centre_of_gravity: 0.01,
+        geometry: 0.005,
         thrust: 0.1,
         base: BaseUncertainty::Elements,
         ..Self::NONE
@@ -171,7 +203,8 @@ impl Uncertainty {
 
     /// Of an unmanned aircraft whose flow angles come from its attitude and path and not from a vane: by judgement a scale
     /// of 10 % (what still air and the mean wind leave of them) and no lag of a vane; else as [`Uncertainty::UNMANNED`].
-    pub const UNMANNED_WITHOUT_VANE: Self = Self { flow_angle_scale: 0.1, flow_angle_lag: 0.0, ..Self::UNMANNED };
+    pub const UNMANNED_WITHOUT_VANE: Self =
+        Self { flow_angle_scale: 0.1, flow_angle_lag: 0.0, flow_angle_position: 0.0, ..Self::UNMANNED };
 
     /// Those of an aircraft about which the model file says nothing: by its mass, the light ones are unmanned.
     fn usual(mass: &Source) -> Self {
@@ -208,6 +241,7 @@ impl Uncertainty {
                 UncertaintyUnit::PerAngle => (Dimension::NUMBER, 5.0, "a part of one per radian, 0 to 5"),
                 UncertaintyUnit::Angle => (Dimension::ANGLE, 10.0 * DEGREE, "an angle, 0 to 10 deg"),
                 UncertaintyUnit::Time => (Dimension::TIME, 1.0, "a time, 0 to 1 s"),
+                UncertaintyUnit::Length => (Dimension::LENGTH, 10.0, "a length, 0 to 10 m"),
                 UncertaintyUnit::Chord => (Dimension::NUMBER, 0.5, "a part of the mean chord, 0 to 0.5"),
             };
             let Some(value) = section.number(key, dimension)? else { continue };
@@ -247,15 +281,20 @@ impl Uncertainty {
         Some(match quantity {
             UncertainQuantity::AirspeedScale => &mut self.airspeed_scale,
             UncertainQuantity::AirspeedPerAlpha => &mut self.airspeed_per_alpha,
+            UncertainQuantity::AirDensity => &mut self.air_density,
             UncertainQuantity::FlowAngleScale => &mut self.flow_angle_scale,
             UncertainQuantity::FlowAngleZero => &mut self.flow_angle_zero,
             UncertainQuantity::FlowAngleLag => &mut self.flow_angle_lag,
+            UncertainQuantity::FlowAnglePosition => &mut self.flow_angle_position,
             UncertainQuantity::SurfaceScale => &mut self.surface_scale,
             UncertainQuantity::SurfaceSkew => &mut self.surface_skew,
+            UncertainQuantity::SurfacePlay => &mut self.surface_play,
             UncertainQuantity::AccelerationScale => &mut self.acceleration_scale,
+            UncertainQuantity::AccelerationPosition => &mut self.acceleration_position,
             UncertainQuantity::Mass => &mut self.mass,
             UncertainQuantity::Inertia => &mut self.inertia,
             UncertainQuantity::CentreOfGravity => &mut self.centre_of_gravity,
+            UncertainQuantity::Geometry => &mut self.geometry,
             UncertainQuantity::Thrust => &mut self.thrust,
             UncertainQuantity::BaseTables => return None,
         })
@@ -306,15 +345,20 @@ impl Uncertainty {
             (_, true, UncertainQuantity::Mass) => "default for less than 100 kg, judgement: it is weighed",
             (_, true, _) => "default for less than 100 kg, judgement",
             (_, false, UncertainQuantity::AirspeedPerAlpha) => "default, judgement: not calibrated over alpha",
+            (_, false, UncertainQuantity::AirDensity) => "default, judgement: temperature not measured",
             (_, false, UncertainQuantity::FlowAngleScale) => "default, judgement: vane not calibrated in flight",
             (_, false, UncertainQuantity::FlowAngleZero) => "default, judgement: vane not aligned with the body axes",
             (_, false, UncertainQuantity::FlowAngleLag) => "default, judgement: lag of the vane not measured",
+            (_, false, UncertainQuantity::FlowAnglePosition) => "default, judgement: position of the vane not stated",
             (_, false, UncertainQuantity::SurfaceScale) => "default, judgement: not calibrated under load",
             (_, false, UncertainQuantity::SurfaceSkew) => "default, judgement: no common clock stated",
+            (_, false, UncertainQuantity::SurfacePlay) => "default, judgement: play not measured",
             (_, false, UncertainQuantity::AccelerationScale) => "default, judgement: no calibration stated",
+            (_, false, UncertainQuantity::AccelerationPosition) => "default, judgement: position not stated",
             (_, false, UncertainQuantity::Mass) => "default, judgement: not weighed with its fuel",
             (_, false, UncertainQuantity::Inertia) => "default, judgement: not measured",
             (_, false, UncertainQuantity::CentreOfGravity) => "default, judgement: not weighed with its fuel",
+            (_, false, UncertainQuantity::Geometry) => "default, judgement: not measured",
             (_, false, UncertainQuantity::Thrust) => "default, judgement: not measured",
         }
     }
@@ -324,10 +368,12 @@ impl Uncertainty {
         matches!(
             quantity,
             UncertainQuantity::AirspeedScale
+                | UncertainQuantity::AirDensity
                 | UncertainQuantity::FlowAngleScale
                 | UncertainQuantity::SurfaceScale
                 | UncertainQuantity::Mass
                 | UncertainQuantity::Inertia
+                | UncertainQuantity::Geometry
         )
     }
 
@@ -351,8 +397,8 @@ impl Uncertainty {
         };
         let list = words(&inside);
         if list.is_empty() {
-            return "The bounds contain no systematic errors: the model file declares none of airspeed, flow angles, surfaces, \
-                    mass, inertia, centre of gravity and thrust under [uncertainty]."
+            return "The bounds contain no systematic errors: the model file declares none of airspeed, air density, flow angles, \
+                    surfaces, accelerometers, mass, inertia, centre of gravity, geometry and thrust under [uncertainty]."
                 .to_owned()
                 + &not_inside;
         }
@@ -435,7 +481,10 @@ mod tests {
         assert_eq!(ModelFile::parse("mine.toml", &format!("{before}{after}")).unwrap().uncertainty, usual);
         assert_eq!(ModelFile::named("f16").unwrap().uncertainty, Uncertainty::NONE);
         let told = Uncertainty::NONE.sentence(true);
-        assert!(told.contains("declares none of airspeed, flow angles, surfaces, mass, inertia"), "{told}");
+        assert!(
+            told.contains("declares none of airspeed, air density, flow angles, surfaces, accelerometers, mass"),
+            "{told}"
+        );
         assert_eq!(ModelFile::named("hfb320").unwrap().uncertainty, Uncertainty::FLIGHT_TEST);
     }
 

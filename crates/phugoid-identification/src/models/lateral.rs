@@ -86,6 +86,9 @@ pub struct LateralModel {
 struct Measured<T> {
     speed: T,
     alpha: T,
+    density: T,
+    /// What chord and span are multiplied by, and the wing area twice; none: those of the model.
+    length: Option<T>,
 }
 
 /// The rates of the states, and what the outputs need, at one point.
@@ -122,7 +125,12 @@ impl LateralModel {
 
     #[inline(always)]
     fn motion<T: Scalar>(&self, x: &[T; LATERAL_STATES], theta: &[f64], u: &LateralInput) -> Motion<T> {
-        let measured = Measured { speed: T::from(u.speed), alpha: T::from(u.alpha) };
+        let measured = Measured {
+            speed: T::from(u.speed),
+            alpha: T::from(u.alpha),
+            density: T::from(u.air_density),
+            length: None,
+        };
         self.motion_with(x, theta, u, &measured, &u.surfaces.deflections())
     }
 
@@ -138,20 +146,27 @@ impl LateralModel {
     ) -> Motion<T> {
         let c = &self.aerodynamics.constants;
         let [beta, phi, p, r] = *x;
-        let Measured { speed, alpha } = *measured;
+        let Measured { speed, alpha, density, length } = *measured;
         let rates = [p, T::from(u.q), r];
-        let air = Air { speed, alpha, beta, rates, density: T::from(u.air_density), mach: None };
+        // Rates are made dimensionless with the lengths.
+        let of_terms = length.map_or(rates, |length| rates.map(|rate| rate * length));
+        let air = Air { speed, alpha, beta, rates: of_terms, density, mach: None };
         let angles = Angles::of(air.alpha, beta, phi, T::from(u.theta));
         let variables = self.aerodynamics.variables(&air, deflections, &u.surfaces.extra);
         let coefficients =
             self.aerodynamics.coefficients(theta, &air, &variables, deflections, angles.sin_alpha, angles.cos_alpha);
-        let force = speed * (0.5 * u.air_density) * speed * c.wing_area;
+        let mut force = speed * (density * 0.5) * speed * c.wing_area;
+        let mut moment_per_coefficient = force * c.span;
+        if let Some(length) = length {
+            force = force * length * length;
+            moment_per_coefficient = moment_per_coefficient * length * length * length;
+        }
         let side_force = coefficients.cy * (force / u.mass.mass);
         let specific_force = [T::from(u.ax), side_force, T::from(u.az)];
         let [_, _, beta_rate] =
             force_equations(speed, &angles, angles.body_velocity(speed), rates, specific_force, c.gravity);
         let [phi_rate, _, _] = attitude_equations(&angles, rates);
-        let moment = [coefficients.cl * (force * c.span), T::from(0.0), coefficients.cn * (force * c.span)];
+        let moment = [coefficients.cl * moment_per_coefficient, T::from(0.0), coefficients.cn * moment_per_coefficient];
         // With a plane of symmetry the pitching moment does not turn the aircraft out of this plane. An impossible
         // inertia makes the rates NaN, and the estimator leaves the sample out.
         let [p_rate, _, r_rate] = match u.mass.properties(c.rotor_momentum) {

@@ -5,3 +5,4 @@ pub mod lateral;
 pub mod longitudinal;
 pub mod rigid;
 pub mod six;
+pub(crate) mod surface_motion;

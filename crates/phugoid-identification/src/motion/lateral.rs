@@ -11,6 +11,7 @@ use crate::models::lateral::constants::{BIAS_OF_BETA, CONSTANTS};
 use crate::models::lateral::{LATERAL_OUTPUTS, LATERAL_STATES, LateralInput, LateralModel};
 use crate::models::longitudinal::Database;
 use crate::models::rigid::AircraftConstants;
+use crate::models::surface_motion::SurfaceMotion;
 
 impl Motion<LATERAL_STATES, LATERAL_OUTPUTS> for LateralModel {
     type KnownInput = LateralInput;
@@ -63,10 +64,10 @@ impl Motion<LATERAL_STATES, LATERAL_OUTPUTS> for LateralModel {
         x: &[f64; LATERAL_STATES],
         theta: &[f64; P],
         u: &LateralInput,
-        surface_rates: &[f64; 3],
+        surfaces: &SurfaceMotion,
         out: &mut ConstantEffects<LATERAL_STATES, LATERAL_OUTPUTS, K>,
     ) {
-        self.effects_of_constants(x, theta, u, surface_rates, out);
+        self.effects_of_constants(x, theta, u, surfaces, out);
     }
     fn regressor_powers<const K: usize>(&self, _: &[f64; LATERAL_STATES], column: usize) -> [f64; K] {
         self.powers_of_constants(column)

@@ -13,6 +13,7 @@ use crate::models::longitudinal::constants::{BIAS_OF_ALPHA, CONSTANTS};
 use crate::models::longitudinal::{
     Database, LongitudinalConstants, LongitudinalInput, LongitudinalModel, OUTPUTS, STATES,
 };
+use crate::models::surface_motion::SurfaceMotion;
 
 impl Motion<STATES, OUTPUTS> for LongitudinalModel {
     type KnownInput = LongitudinalInput;
@@ -69,10 +70,10 @@ impl Motion<STATES, OUTPUTS> for LongitudinalModel {
         x: &[f64; STATES],
         theta: &[f64; P],
         u: &LongitudinalInput,
-        surface_rates: &[f64; 3],
+        surfaces: &SurfaceMotion,
         out: &mut ConstantEffects<STATES, OUTPUTS, K>,
     ) {
-        self.effects_of_constants(x, theta, u, surface_rates[0], out);
+        self.effects_of_constants(x, theta, u, surfaces, out);
     }
     fn regressor_powers<const K: usize>(&self, x: &[f64; STATES], column: usize) -> [f64; K] {
         self.powers_of_constants(x, column)

@@ -15,6 +15,7 @@ use crate::core::systematic::UncertainQuantity;
 use crate::core::term::{Coefficient, EXTRA_INPUTS, Term};
 use crate::model_file::{InputHold, ModelFile, Role};
 use crate::models::longitudinal::Database;
+pub use crate::models::surface_motion::SurfaceMotion;
 
 /// A motion of the aircraft that parameters can be estimated from: `N` states, `R` outputs, those of its axes.
 ///
@@ -53,13 +54,13 @@ pub trait Motion<const N: usize, const R: usize>: Clone + Debug + Send + 'static
     }
 
     /// What one unit of each constant adds to rates and outputs ([`Model::constant_effects`]), written to `out`, which
-    /// holds zeros and has room for all of them. `surface_rates`: how fast the deflections move, rad/s.
+    /// holds zeros and has room for all of them. `surfaces`: how the deflections have moved.
     fn effects<const P: usize, const K: usize>(
         &self,
         _x: &[f64; N],
         _theta: &[f64; P],
         _u: &Self::KnownInput,
-        _surface_rates: &[f64; 3],
+        _surfaces: &SurfaceMotion,
         _out: &mut ConstantEffects<N, R, K>,
     ) {
     }

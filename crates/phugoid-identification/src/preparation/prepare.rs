@@ -19,7 +19,7 @@ use crate::preparation::database_part::{Condition, database_parts};
 use crate::preparation::intake::{KnownInput, Origin, known_inputs, model_input};
 use crate::preparation::noise::OwnSamples;
 pub use crate::preparation::prepared::Prepared;
-use crate::preparation::prepared::speeds;
+use crate::preparation::prepared::{speeds, surface_motion};
 use crate::preparation::reaction::surfaces;
 use crate::preparation::resample::earlier;
 use crate::preparation::slow_surface::SlowSurface;
@@ -139,6 +139,7 @@ pub fn prepare<M: Motion<N, R>, const N: usize, const R: usize>(
         prepared.moved_s = found.late_s.iter().map(|(name, late_s)| ((*name).to_owned(), *late_s)).collect();
         prepared.hold = hold;
         prepared.inputs = model_inputs::<M, N, R>(&prepared.known, file, hold);
+        prepared.surface_motion = surface_motion::<M, N, R>(&prepared.time, &prepared.inputs, file);
         if hold == found.hold {
             prepared.notes.extend(found.notes);
         }
@@ -393,6 +394,7 @@ fn collect<M: Motion<N, R>, const N: usize, const R: usize>(
     }
     Ok(Prepared {
         model,
+        surface_motion: surface_motion::<M, N, R>(&time, &inputs, file),
         time,
         inputs,
         outputs,

@@ -8,6 +8,7 @@ use crate::core::axes::Axes;
 use crate::core::estimation::Signal;
 use crate::core::output::Output;
 use crate::model_file::{ByPowers, DatabasePart, InputHold, ModelFile};
+use crate::models::surface_motion::{SurfaceMotion, SurfaceMotions};
 use crate::motion::{Motion, ReferencePoint};
 use crate::preparation::database_part::Condition;
 use crate::preparation::intake::Origin;
@@ -27,6 +28,8 @@ pub struct Prepared<M: Motion<N, R>, const N: usize, const R: usize> {
     pub time: Vec<f64>,
     /// Known input of the model at each sample.
     pub inputs: Vec<M::KnownInput>,
+    /// How the surfaces have come to each sample, with the play that is declared of them.
+    pub surface_motion: Vec<SurfaceMotion>,
     /// Measured outputs per sample; NaN where missing.
     pub outputs: Vec<[f64; R]>,
     /// The known inputs by name: [`Axes::known_channels`], then air, mass and inertia, then the extra inputs.
@@ -126,6 +129,16 @@ impl<M: Motion<N, R>, const N: usize, const R: usize> Prepared<M, N, R> {
     pub(crate) fn surfaces(&self) -> impl Iterator<Item = &Signal> {
         self.known.iter().filter(|signal| Axes::SURFACES.contains(&signal.name.as_str()))
     }
+}
+
+/// How the surfaces have come to each sample.
+pub(super) fn surface_motion<M: Motion<N, R>, const N: usize, const R: usize>(
+    time: &[f64],
+    inputs: &[M::KnownInput],
+    file: &ModelFile,
+) -> Vec<SurfaceMotion> {
+    let mut motions = SurfaceMotions::new(file.uncertainty.surface_play);
+    time.iter().zip(inputs).map(|(time, input)| motions.at(*time, M::deflections(input))).collect()
 }
 
 /// The true airspeed among the outputs of a motion, or else as it is known.

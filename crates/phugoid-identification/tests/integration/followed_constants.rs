@@ -9,13 +9,13 @@ use phugoid_flight_data::csv::{self, CsvOptions};
 use phugoid_flight_data::record::Record;
 use phugoid_identification::estimate::{EstimateOptions, Method, StructureSearch, estimate};
 use phugoid_identification::estimation::{Estimation, UncertainQuantity};
-use phugoid_identification::model_file::{ModelFile, Source, Thrust};
+use phugoid_identification::model_file::{AirDensity, ModelFile, Source, Thrust};
 
 /// Small enough for a first derivative, and large enough beside rounding.
 const SMALL: f64 = 5e-4;
 
-/// Puts the constant `1 + SMALL` into the flight: a sensor shows that many times the true value (a zero: `SMALL` rad more), or the
-/// aircraft has that many times what the model file says.
+/// Puts the constant `1 + SMALL` into the flight: a sensor shows that many times the true value (a zero: `SMALL` rad more), stands `SMALL`
+/// m ahead, or the aircraft has that many times what the model file says.
 fn put(quantity: UncertainQuantity, record: &mut Record, model: &mut ModelFile) {
     let mut scaled = |name: &str, factor: f64| {
         let channel = record.channels.iter_mut().find(|channel| channel.name == name).unwrap();
@@ -31,6 +31,23 @@ fn put(quantity: UncertainQuantity, record: &mut Record, model: &mut ModelFile) 
         UncertainQuantity::FlowAngleZero => {
             let channel = record.channels.iter_mut().find(|channel| channel.name == "alpha").unwrap();
             channel.values.iter_mut().for_each(|value| *value += SMALL);
+        }
+        UncertainQuantity::FlowAnglePosition => {
+            let of = |name: &str| record.channel(name).unwrap().values.clone();
+            let (rates, speeds) = (of("q"), of("true_airspeed"));
+            let channel = record.channels.iter_mut().find(|channel| channel.name == "alpha").unwrap();
+            for (value, (rate, speed)) in channel.values.iter_mut().zip(rates.iter().zip(&speeds)) {
+                *value -= SMALL * rate / speed;
+            }
+        }
+        UncertainQuantity::AirDensity => match &mut model.aircraft.air_density {
+            AirDensity::Known(Source::Constant(value)) => *value *= 1.0 + SMALL,
+            AirDensity::Known(Source::Channel(name)) => scaled(name, 1.0 + SMALL),
+            other => panic!("{other:?}"),
+        },
+        UncertainQuantity::Geometry => {
+            model.aircraft.wing_area /= (1.0 + SMALL).powi(2);
+            model.aircraft.mean_chord /= 1.0 + SMALL;
         }
         UncertainQuantity::SurfaceScale => scaled("elevator", 1.0 + SMALL),
         UncertainQuantity::Thrust => {
@@ -72,6 +89,9 @@ fn claims_of_declared_scales_are_what_happens() {
         UncertainQuantity::AirspeedScale,
         UncertainQuantity::FlowAngleScale,
         UncertainQuantity::FlowAngleZero,
+        UncertainQuantity::FlowAnglePosition,
+        UncertainQuantity::AirDensity,
+        UncertainQuantity::Geometry,
         UncertainQuantity::SurfaceScale,
         UncertainQuantity::Thrust,
         UncertainQuantity::Mass,

@@ -8,10 +8,12 @@ use crate::core::shifts::Moved;
 use crate::core::systematic::UncertainQuantity;
 use crate::core::term::{Coefficient, Term, Variable};
 use crate::models::rigid::AircraftConstants;
+use crate::models::surface_motion::SurfaceMotion;
 
 /// The constants in the order of the columns of [`LateralModel::effects_of_constants`]: flow angles are the sideslip, then
-/// the angle of attack; surfaces aileron, then rudder; moments of inertia about body x, then z; zeros of sideslip, then of the angle of attack.
-pub(crate) const CONSTANTS: [UncertainQuantity; 14] = [
+/// the angle of attack; surfaces aileron, then rudder; moments of inertia about body x, then z; zeros of sideslip, then of the angle of attack; play of aileron, then of the rudder; the accelerometer
+/// ahead, then below.
+pub(crate) const CONSTANTS: [UncertainQuantity; 21] = [
     UncertainQuantity::AirspeedScale,
     UncertainQuantity::FlowAngleScale,
     UncertainQuantity::FlowAngleScale,
@@ -26,6 +28,13 @@ pub(crate) const CONSTANTS: [UncertainQuantity; 14] = [
     UncertainQuantity::CentreOfGravity,
     UncertainQuantity::FlowAngleZero,
     UncertainQuantity::FlowAngleZero,
+    UncertainQuantity::AirDensity,
+    UncertainQuantity::Geometry,
+    UncertainQuantity::SurfacePlay,
+    UncertainQuantity::SurfacePlay,
+    UncertainQuantity::FlowAnglePosition,
+    UncertainQuantity::AccelerationPosition,
+    UncertainQuantity::AccelerationPosition,
 ];
 
 /// Place of the constant that is the bias of the sideslip.
@@ -50,22 +59,26 @@ pub(super) fn shifts(columns: &[(Coefficient, Term)], c: &AircraftConstants) -> 
 }
 
 impl LateralModel {
-    /// Derivatives of rates and outputs by the constants, as those of the longitudinal motion. `surface_rates` of
-    /// elevator, aileron and rudder, rad/s.
+    /// Derivatives of rates and outputs by the constants, as those of the longitudinal motion.
     pub(crate) fn effects_of_constants<const K: usize>(
         &self,
         x: &[f64; LATERAL_STATES],
         theta: &[f64],
         u: &LateralInput,
-        surface_rates: &[f64; 3],
+        surfaces: &SurfaceMotion,
         out: &mut ConstantEffects<LATERAL_STATES, LATERAL_OUTPUTS, K>,
     ) {
         let c = &self.aerodynamics.constants;
         let Some(properties) = u.mass.properties(c.rotor_momentum).filter(|_| K >= CONSTANTS.len()) else { return };
         let ConstantEffects { rates, outputs } = out;
-        // By airspeed, angle of attack, aileron and rudder.
-        type D = Dual<4>;
-        let measured = Measured { speed: D::variable(u.speed, 0), alpha: D::variable(u.alpha, 1) };
+        // By airspeed, angle of attack, aileron, rudder, a part of the density and a part of the lengths.
+        type D = Dual<6>;
+        let measured = Measured {
+            speed: D::variable(u.speed, 0),
+            alpha: D::variable(u.alpha, 1),
+            density: D { value: u.air_density, derivatives: [0.0, 0.0, 0.0, 0.0, u.air_density, 0.0] },
+            length: Some(D::variable(1.0, 5)),
+        };
         let deflections =
             [D::from(u.surfaces.elevator), D::variable(u.surfaces.aileron, 2), D::variable(u.surfaces.rudder, 3)];
         let motion = self.motion_with(&x.map(D::from), theta, u, &measured, &deflections);
@@ -75,14 +88,19 @@ impl LateralModel {
         let ay = motion.side_force.value;
 
         // What is missing in the record of the inputs, per unit of the constant.
-        let [_, aileron_rate, rudder_rate] = *surface_rates;
+        let [_, aileron_rate, rudder_rate] = surfaces.rates;
+        let [_, aileron_play, rudder_play] = surfaces.play;
         let missing = [
-            (0, [-u.speed, 0.0, 0.0, 0.0]),
-            (2, [0.0, -u.alpha, 0.0, 0.0]),
-            (13, [0.0, -1.0, 0.0, 0.0]),
-            (4, [0.0, 0.0, -u.surfaces.aileron, 0.0]),
-            (5, [0.0, 0.0, 0.0, -u.surfaces.rudder]),
-            (6, [0.0, 0.0, aileron_rate, rudder_rate]),
+            (0, [-u.speed, 0.0, 0.0, 0.0, 0.0, 0.0]),
+            (2, [0.0, -u.alpha, 0.0, 0.0, 0.0, 0.0]),
+            (13, [0.0, -1.0, 0.0, 0.0, 0.0, 0.0]),
+            (4, [0.0, 0.0, -u.surfaces.aileron, 0.0, 0.0, 0.0]),
+            (5, [0.0, 0.0, 0.0, -u.surfaces.rudder, 0.0, 0.0]),
+            (6, [0.0, 0.0, aileron_rate, rudder_rate, 0.0, 0.0]),
+            (14, [0.0, 0.0, 0.0, 0.0, -1.0, 0.0]),
+            (15, [0.0, 0.0, 0.0, 0.0, 0.0, 1.0]),
+            (16, [0.0, 0.0, aileron_play, 0.0, 0.0, 0.0]),
+            (17, [0.0, 0.0, 0.0, rudder_play, 0.0, 0.0]),
         ];
         for (column, missing) in missing {
             let along = |value: &D| value.derivatives.iter().zip(missing).map(|(d, m)| d * m).sum::<f64>();
@@ -123,6 +141,10 @@ impl LateralModel {
         }
         // And the acceleration is that of a point ahead of it.
         outputs[AY][11] = (rate[3] + p * q) * c.mean_chord;
+        // A vane ahead moves sideways with the nose, and an accelerometer shows w' x r + w x (w x r) more.
+        outputs[0][18] = r / u.speed;
+        outputs[AY][19] = rate[3] + p * q;
+        outputs[AY][20] = q * r - rate[2];
     }
 
     /// What the constants add to the regressor of a column of those of other columns.
@@ -146,6 +168,8 @@ impl LateralModel {
             (8, powers.mass),
             (9, about(Coefficient::RollingMoment)),
             (10, about(Coefficient::YawingMoment)),
+            (14, powers.density),
+            (15, powers.length),
         ];
         for (place, power) in places {
             out[place] = power;
@@ -164,6 +188,7 @@ mod tests {
     use crate::models::lateral::{LateralInput, LateralModel};
     use crate::models::longitudinal::Database;
     use crate::models::rigid::{AircraftConstants, MassInput, Surfaces};
+    use crate::models::surface_motion::SurfaceMotion;
 
     const TERMS: [(Coefficient, &str); 8] = [
         (Coefficient::SideForce, "beta"),
@@ -177,7 +202,7 @@ mod tests {
     ];
     const THETA: [f64; 8] = [-0.8, 0.2, -0.1, -0.4, -0.1, 0.2, -0.3, -0.1];
     const X: [f64; LATERAL_STATES] = [0.04, 0.2, 0.3, -0.1];
-    const SURFACE_RATES: [f64; 3] = [0.1, 0.5, -0.3];
+    const SURFACES: SurfaceMotion = SurfaceMotion { rates: [0.1, 0.5, -0.3], play: [0.2, -0.4, 0.3] };
     const CHORD: f64 = 3.45;
 
     fn input() -> LateralInput {
@@ -233,20 +258,34 @@ mod tests {
             4 => u.surfaces.aileron *= 1.0 - c,
             5 => u.surfaces.rudder *= 1.0 - c,
             6 => {
-                u.surfaces.aileron += c * SURFACE_RATES[1];
-                u.surfaces.rudder += c * SURFACE_RATES[2];
+                u.surfaces.aileron += c * SURFACES.rates[1];
+                u.surfaces.rudder += c * SURFACES.rates[2];
             }
             8 => u.mass.mass *= 1.0 + c,
             9 => u.mass.ixx *= 1.0 + c,
             10 => u.mass.izz *= 1.0 + c,
+            14 => u.air_density *= 1.0 - c,
+            16 => u.surfaces.aileron += c * SURFACES.play[1],
+            17 => u.surfaces.rudder += c * SURFACES.play[2],
             _ => {}
         }
-        let mut shown = at(model, &u);
+        let mut larger = model.clone();
+        if column == 15 {
+            let constants = &mut larger.aerodynamics.constants;
+            constants.wing_area *= (1.0 + c).powi(2);
+            constants.mean_chord *= 1.0 + c;
+            constants.span *= 1.0 + c;
+        }
+        let mut shown = at(&larger, &u);
         let output = |row: usize| LATERAL_STATES + row;
         let ay = healthy[output(AY)];
         match column {
             1 => shown[output(0)] *= 1.0 + c,
             12 => shown[output(0)] += c,
+            18 => shown[output(0)] += c * X[3] / input().speed,
+            // w' x r + w x (w x r), ahead and below.
+            19 => shown[output(AY)] += (healthy[3] + X[2] * input().q) * c,
+            20 => shown[output(AY)] += (input().q * X[3] - healthy[2]) * c,
             3 => shown[output(0)] -= c * healthy[0],
             7 => shown[output(AY)] *= 1.0 + c,
             11 => {
@@ -272,8 +311,8 @@ mod tests {
     fn the_effects_are_those_of_small_errors() {
         let aircraft = F16::new(F16Options { cg: 0.3, ..F16Options::default() }).unwrap();
         for model in [model(Database::None), model(Database::F16(Box::new(aircraft)))] {
-            let mut effects = ConstantEffects::<LATERAL_STATES, LATERAL_OUTPUTS, 14>::ZERO;
-            model.effects_of_constants(&X, &THETA, &input(), &SURFACE_RATES, &mut effects);
+            let mut effects = ConstantEffects::<LATERAL_STATES, LATERAL_OUTPUTS, 21>::ZERO;
+            model.effects_of_constants(&X, &THETA, &input(), &SURFACES, &mut effects);
             for (column, quantity) in CONSTANTS.iter().enumerate() {
                 let c = 1e-5;
                 let (up, down) = (with(&model, column, c), with(&model, column, -c));

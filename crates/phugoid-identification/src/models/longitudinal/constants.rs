@@ -7,10 +7,11 @@ use super::{LongitudinalConstants, LongitudinalInput, LongitudinalModel, OUTPUTS
 use crate::core::shifts::{Moved, Turned};
 use crate::core::systematic::UncertainQuantity;
 use crate::core::term::{Coefficient, Term, Variable};
+use crate::models::surface_motion::SurfaceMotion;
 
 /// The constants in the order of the columns of [`LongitudinalModel::effects_of_constants`]: accelerometers along x, then
-/// along z.
-pub(crate) const CONSTANTS: [UncertainQuantity; 13] = [
+/// along z; their position ahead, then below.
+pub(crate) const CONSTANTS: [UncertainQuantity; 19] = [
     UncertainQuantity::AirspeedScale,
     UncertainQuantity::AirspeedPerAlpha,
     UncertainQuantity::FlowAngleScale,
@@ -24,6 +25,12 @@ pub(crate) const CONSTANTS: [UncertainQuantity; 13] = [
     UncertainQuantity::CentreOfGravity,
     UncertainQuantity::Thrust,
     UncertainQuantity::FlowAngleZero,
+    UncertainQuantity::AirDensity,
+    UncertainQuantity::Geometry,
+    UncertainQuantity::SurfacePlay,
+    UncertainQuantity::FlowAnglePosition,
+    UncertainQuantity::AccelerationPosition,
+    UncertainQuantity::AccelerationPosition,
 ];
 
 /// Place of the constant that is the bias of the angle of attack.
@@ -44,8 +51,9 @@ pub(super) fn shifts(columns: &[(Coefficient, Term)], c: &LongitudinalConstants)
 
 impl LongitudinalModel {
     /// Derivatives of rates and outputs by the constants. A sensor shows `(1 + c)` times the true value, `c` radians more, or
-    /// what was true `c` seconds before; mass, inertia and thrust are `(1 + c)` times what the input holds, and the centre of gravity
-    /// lies `c` chords behind the one that moments and accelerations refer to. `elevator_rate` in rad/s.
+    /// what was true `c` seconds before, or stands `c` metres ahead or below; mass, inertia and thrust are `(1 + c)` times what the input
+    /// holds, chord and span those of the model, and the centre of gravity lies `c` chords behind the one that moments and
+    /// accelerations refer to; the elevator has `c` radians of play. `surfaces`: how the elevator has moved.
     ///
     /// A reference point of the terms counts as exact. What `alpha'` itself loses where a term has the rate of the angle
     /// of attack is left out: a part of `rho S cbar CL_alpha_dot/4m` of it, about one in a hundred.
@@ -54,7 +62,7 @@ impl LongitudinalModel {
         x: &[f64; STATES],
         theta: &[f64; P],
         u: &LongitudinalInput,
-        elevator_rate: f64,
+        surfaces: &SurfaceMotion,
         out: &mut ConstantEffects<STATES, OUTPUTS, K>,
     ) {
         if K < CONSTANTS.len() {
@@ -80,17 +88,19 @@ impl LongitudinalModel {
         outputs[row::ALPHA][2] = alpha;
         outputs[row::ALPHA][3] = -rates[1];
 
-        // What one radian of elevator adds, times what is missing of it in the record.
-        let elevator = Dual::<1>::variable(u.elevator, 0);
-        let mut factors = self.factors(&x.map(Dual::<1>::from), u);
+        // By the elevator, and by a part of the dimensionless pitch rate, which goes with the chord.
+        let mut longer = x.map(Dual::<2>::from);
+        longer[3] = Dual { value: q, derivatives: [0.0, q] };
+        let elevator = Dual::<2>::variable(u.elevator, 0);
+        let mut factors = self.factors(&longer, u);
         factors[3] = elevator - c.elevator_reference;
-        let [lift, drag, moment] = self
-            .coefficients(&x.map(Dual::<1>::from), theta, u.air_density, elevator, &factors)
-            .map(|value| value.derivatives[0]);
+        let coefficients = self.coefficients(&longer, theta, u.air_density, elevator, &factors);
+        // What one radian of elevator adds, times what is missing of it in the record.
+        let [lift, drag, moment] = coefficients.map(|value| value.derivatives[0]);
         let force = 0.5 * u.air_density * c.wing_area * speed * speed;
         let f = force / u.mass;
         let pitch_per_moment = force * c.mean_chord / u.iyy;
-        for (column, missing) in [(4, -u.elevator), (5, elevator_rate)] {
+        for (column, missing) in [(4, -u.elevator), (5, surfaces.rates[0]), (15, surfaces.play[0])] {
             rate[0][column] = -f * drag * missing;
             rate[1][column] = -f * lift / speed * missing;
             rate[3][column] = pitch_per_moment * moment * missing;
@@ -126,6 +136,41 @@ impl LongitudinalModel {
         outputs[row::PITCH_ACCELERATION][11] = turned;
 
         outputs[row::ALPHA][BIAS_OF_ALPHA] = 1.0;
+
+        // What the air does: all but gravity, thrust and the turn of the axes.
+        let aerodynamic = [
+            rates[0] + c.gravity * sin_path - rate[0][11],
+            rates[1] - q - c.gravity * cos_path / speed - rate[1][11],
+            rates[3] - rate[3][11],
+            ax - outputs[row::AX][11],
+            az - outputs[row::AZ][11],
+        ];
+        // A density that is shown too large.
+        let [along, across, turned, force_x, force_z] = aerodynamic.map(|value| -value);
+        rate[0][13] = along;
+        rate[1][13] = across;
+        rate[3][13] = turned;
+        outputs[row::AX][13] = force_x;
+        outputs[row::AZ][13] = force_z;
+        outputs[row::PITCH_ACCELERATION][13] = turned;
+
+        // Twice the part of the lengths in the area, once more in the moment, and once in the dimensionless pitch rate.
+        let [lift, drag, moment] = coefficients.map(|value| value.derivatives[1]);
+        let [along, across, turned, force_x, force_z] = aerodynamic;
+        let turned = 3.0 * turned + pitch_per_moment * moment;
+        rate[0][14] = 2.0 * along - f * drag;
+        rate[1][14] = 2.0 * across - f * lift / speed;
+        rate[3][14] = turned;
+        outputs[row::AX][14] = 2.0 * force_x + f * (lift * sin - drag * cos);
+        outputs[row::AZ][14] = 2.0 * force_z - f * (lift * cos + drag * sin);
+        outputs[row::PITCH_ACCELERATION][14] = turned;
+
+        // A vane ahead moves down with the nose, and accelerometers show w' x r + w x (w x r) more.
+        outputs[row::ALPHA][16] = -q / speed;
+        outputs[row::AX][17] = -q * q;
+        outputs[row::AZ][17] = -rates[3];
+        outputs[row::AX][18] = rates[3];
+        outputs[row::AZ][18] = -q * q;
     }
 
     /// What the constants add to the regressor of a column of those of other columns.
@@ -145,6 +190,8 @@ impl LongitudinalModel {
             (4, powers.surfaces[0]),
             (8, powers.mass),
             (9, powers.inertia),
+            (13, powers.density),
+            (14, powers.length),
         ];
         for (place, power) in places {
             out[place] = power;
@@ -161,6 +208,7 @@ mod tests {
     use super::{BIAS_OF_ALPHA, CONSTANTS, OUTPUTS, STATES, row};
     use crate::core::term::{Coefficient, Term};
     use crate::models::longitudinal::{Database, LongitudinalConstants, LongitudinalInput, LongitudinalModel};
+    use crate::models::surface_motion::SurfaceMotion;
 
     const TERMS: [(Coefficient, &str); 7] = [
         (Coefficient::Lift, "alpha"),
@@ -183,7 +231,7 @@ mod tests {
         controls_held: false,
     };
     const CHORD: f64 = 3.45;
-    const ELEVATOR_RATE: f64 = 0.4;
+    const SURFACES: SurfaceMotion = SurfaceMotion { rates: [0.4, 0.0, 0.0], play: [-0.3, 0.0, 0.0] };
 
     fn model(database: Database) -> LongitudinalModel {
         let constants = LongitudinalConstants {
@@ -215,13 +263,20 @@ mod tests {
         let output = |row: usize| STATES + row;
         match column {
             4 => u.elevator *= 1.0 - c,
-            5 => u.elevator += c * ELEVATOR_RATE,
+            5 => u.elevator += c * SURFACES.rates[0],
+            15 => u.elevator += c * SURFACES.play[0],
+            13 => u.air_density *= 1.0 - c,
             8 => u.mass *= 1.0 + c,
             9 => u.iyy *= 1.0 + c,
             11 => u.thrust *= 1.0 + c,
             _ => {}
         }
-        let mut shown = at(model, &u);
+        let mut larger = model.clone();
+        if column == 14 {
+            larger.constants.wing_area *= (1.0 + c).powi(2);
+            larger.constants.mean_chord *= 1.0 + c;
+        }
+        let mut shown = at(&larger, &u);
         let rates = at(model, &U);
         match column {
             0 => shown[output(row::TRUE_AIRSPEED)] *= 1.0 + c,
@@ -229,6 +284,16 @@ mod tests {
             2 => shown[output(row::ALPHA)] *= 1.0 + c,
             3 => shown[output(row::ALPHA)] -= c * rates[1],
             12 => shown[output(row::ALPHA)] += c,
+            16 => shown[output(row::ALPHA)] -= c * X[3] / X[0],
+            // w' x r + w x (w x r), ahead and below.
+            17 => {
+                shown[output(row::AX)] -= X[3] * X[3] * c;
+                shown[output(row::AZ)] -= rates[3] * c;
+            }
+            18 => {
+                shown[output(row::AX)] += rates[3] * c;
+                shown[output(row::AZ)] -= X[3] * X[3] * c;
+            }
             6 => shown[output(row::AX)] *= 1.0 + c,
             7 => shown[output(row::AZ)] *= 1.0 + c,
             9 => shown[output(row::PITCH_ACCELERATION)] = shown[3],
@@ -251,8 +316,8 @@ mod tests {
     fn the_effects_are_those_of_small_errors() {
         let aircraft = F16::new(F16Options { cg: 0.3, ..F16Options::default() }).unwrap();
         for model in [model(Database::None), model(Database::F16(Box::new(aircraft)))] {
-            let mut effects = ConstantEffects::<STATES, OUTPUTS, 13>::ZERO;
-            model.effects_of_constants(&X, &THETA, &U, ELEVATOR_RATE, &mut effects);
+            let mut effects = ConstantEffects::<STATES, OUTPUTS, 19>::ZERO;
+            model.effects_of_constants(&X, &THETA, &U, &SURFACES, &mut effects);
             for (column, quantity) in CONSTANTS.iter().enumerate() {
                 let c = 1e-5;
                 let (up, down) = (with(&model, column, c), with(&model, column, -c));
