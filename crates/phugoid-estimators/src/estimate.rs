@@ -3,6 +3,7 @@
 use crate::innovation::Innovations;
 use crate::levels::NoiseReport;
 use crate::model::{Input, Sample};
+use crate::supervisor::learnt::Evidence;
 
 /// Observability below which a parameter counts as not excited: its bound has shrunk by less than 30 %. Lower would not
 /// do: the noise of the estimated state alone, minute after minute, looks like a little excitation.
@@ -271,6 +272,11 @@ pub trait Inspect<const R: usize, const P: usize>: Estimator<R, P> {
     /// Error of a column (`true - estimated`) per unit of each constant that the model wants considered, parameter units;
     /// none where none is considered.
     fn error_by_constant(&self, _column: usize) -> Option<&[f64]> {
+        None
+    }
+
+    /// What the residuals say of the constants that can be learnt; none where none is considered.
+    fn evidence(&self) -> Option<Evidence<'_>> {
         None
     }
 }

@@ -102,6 +102,12 @@ pub trait Model<const N: usize, const R: usize, const P: usize> {
     ) {
     }
 
+    /// The constants that leave a trace in residuals, by their places among all, at most
+    /// [`MOST_LEARNT`](crate::supervisor::learnt::MOST_LEARNT): lags, times, play. Not the factors on states and forces.
+    fn learnable_constants(&self) -> &[usize] {
+        &[]
+    }
+
     /// By which part the regressor of a column, as the estimator believes it, is larger than the true one, per unit of
     /// each constant: 2 for a coefficient where the airspeed shows `(1 + c)` times the true one and stands squared in the
     /// dynamic pressure. Zero where the error of the regressor is no factor of it. A column that is a parameter then is

@@ -633,6 +633,8 @@ impl<const N: usize, const P: usize> Joint<N, P> {
                     by_state: &a.x,
                     by_parameter: &lin.parameter_jacobian[i][..own],
                     bias,
+                    residual,
+                    variance,
                     state_gain: v.x.map(|value| value * inverse_variance),
                     parameter_gain: &gain[..p],
                 });

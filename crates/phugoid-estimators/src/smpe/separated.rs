@@ -408,6 +408,8 @@ impl<const N: usize, const P: usize> Separated<N, P> {
                     by_state: h_row,
                     by_parameter: &d_row[..own],
                     bias,
+                    residual,
+                    variance: s * one_plus_v,
                     state_gain,
                     parameter_gain: &gain[..p],
                 });

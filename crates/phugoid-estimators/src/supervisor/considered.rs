@@ -34,6 +34,7 @@ use crate::model::{ConstantEffects, Model};
 use crate::settings::{EstimatorSettings, SettingsError};
 use crate::supervisor::common::Common;
 use crate::supervisor::faults::Watch;
+use crate::supervisor::learnt::{Collected, Evidence};
 use crate::supervisor::slot::{Followed, Follower, Slot, UsedRow};
 
 /// A slot that knows how far an error of each of up to `K` constants of the model
@@ -42,6 +43,8 @@ use crate::supervisor::slot::{Followed, Follower, Slot, UsedRow};
 pub struct Considering<S, const N: usize, const P: usize, const K: usize> {
     slot: S,
     errors: Errors<N, P, K>,
+    /// What the residuals say of those that can be learnt.
+    collected: Collected<K>,
     /// The outputs that the states were read from, while what that means for their errors is still to be worked out.
     read_from: Option<[Option<usize>; N]>,
     /// Constants in use, at most `K`; none before the first sample.
@@ -102,6 +105,9 @@ impl<M: Model<N, R, P>, const N: usize, const R: usize, const P: usize, const K:
 /// Follows the rows of a frame.
 struct Rows<'a, const N: usize, const R: usize, const P: usize, const K: usize> {
     errors: &'a mut Errors<N, P, K>,
+    collected: &'a mut Collected<K>,
+    /// The constants that can be learnt.
+    learnable: &'a [usize],
     effects: ConstantEffects<N, R, K>,
 }
 
@@ -128,6 +134,7 @@ impl<const N: usize, const R: usize, const P: usize, const K: usize> Follower<N,
         if let Some(error) = row.bias.and_then(|column| parameters.get(column)) {
             add_scaled(&mut zeta, 1.0, error);
         }
+        self.collected.add(self.learnable, &zeta, row.residual, row.variance);
         for (error, gain) in state.iter_mut().zip(&row.state_gain) {
             add_scaled(error, -gain, &zeta);
         }
@@ -182,7 +189,7 @@ where
 
     fn prior<const R: usize>(settings: &EstimatorSettings<N, R, P>, columns: &Columns<R, P>) -> Self {
         let errors = Errors { state: [[0.0; K]; N], parameters: [[0.0; K]; P] };
-        Self { slot: S::prior(settings, columns), errors, read_from: None, count: 0 }
+        Self { slot: S::prior(settings, columns), errors, collected: Collected::NONE, read_from: None, count: 0 }
     }
 
     fn start_state<const R: usize>(
@@ -260,9 +267,10 @@ where
             );
         }
         let effects = self.effects(model, columns, input);
-        let Self { slot, errors, .. } = self;
+        let Self { slot, errors, collected, .. } = self;
         let before = slot.common().theta;
-        let mut follower = Rows { errors, effects };
+        let learnable = model.learnable_constants();
+        let mut follower = Rows { errors, collected, learnable, effects };
         let innovations = slot.correct_followed(
             model,
             settings,
@@ -321,6 +329,7 @@ where
 
     fn close_colour_block(&mut self) {
         self.slot.close_colour_block();
+        self.collected.close_block();
     }
 
     fn renew_colour(&mut self) {
@@ -337,5 +346,9 @@ where
             return None;
         }
         self.errors.parameters.get(column).and_then(|row| row.get(..self.count))
+    }
+
+    fn evidence<'a>(&'a self, constants: &'a [usize]) -> Option<Evidence<'a>> {
+        (self.count > 0).then(|| self.collected.evidence(constants, self.count))
     }
 }

@@ -8,6 +8,7 @@ pub mod considered;
 mod doubt;
 pub(crate) mod faults;
 mod history;
+pub mod learnt;
 mod lost;
 mod probation;
 mod report;

@@ -9,6 +9,7 @@ use crate::innovation::Innovations;
 use crate::levels::NoiseReport;
 use crate::model::Model;
 use crate::settings::EstimatorSettings;
+use crate::supervisor::learnt::Evidence;
 use crate::supervisor::slot::Slot;
 
 impl<S, M, const N: usize, const R: usize, const P: usize> Supervisor<S, M, N, R, P>
@@ -73,6 +74,12 @@ where
     /// not in use, and before the first frame.
     pub fn error_by_constant(&self, column: usize) -> Option<&[f64]> {
         if column < self.columns.count() { self.champion.by_constant(column) } else { None }
+    }
+
+    /// What the residuals say of the constants that can be learnt ([`Model::learnable_constants`]). None where the method or the
+    /// model considers no constants, and before the first frame.
+    pub fn evidence(&self) -> Option<Evidence<'_>> {
+        self.champion.evidence(self.model.learnable_constants())
     }
 
     /// Samples refused because their time did not increase.
@@ -263,5 +270,9 @@ where
 
     fn error_by_constant(&self, column: usize) -> Option<&[f64]> {
         Self::error_by_constant(self, column)
+    }
+
+    fn evidence(&self) -> Option<Evidence<'_>> {
+        Self::evidence(self)
     }
 }

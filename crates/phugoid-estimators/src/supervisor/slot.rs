@@ -8,6 +8,7 @@ use crate::model::Model;
 use crate::settings::{EstimatorSettings, SettingsError};
 use crate::supervisor::common::Common;
 use crate::supervisor::faults::Watch;
+use crate::supervisor::learnt::Evidence;
 
 /// State, parameters and their covariance, with prediction and correction. The supervisor runs one, and a second one
 /// while a change of the parameters is in doubt.
@@ -106,6 +107,11 @@ pub trait Slot<const N: usize, const P: usize>: Copy {
     fn by_constant(&self, _column: usize) -> Option<&[f64]> {
         None
     }
+
+    /// What the residuals say of the constants that can be learnt, `constants` by their places; none where none is considered.
+    fn evidence<'a>(&'a self, _constants: &'a [usize]) -> Option<Evidence<'a>> {
+        None
+    }
 }
 
 /// A slot whose arithmetic can be followed by what moves along with the estimate.
@@ -169,6 +175,10 @@ pub struct UsedRow<'a, const N: usize> {
     pub(crate) by_parameter: &'a [f64],
     /// Column of the output's bias.
     pub(crate) bias: Option<usize>,
+    /// What is measured less what is predicted, with the steps of the rows before it in the frame.
+    pub(crate) residual: f64,
+    /// Its variance, as the filter has it.
+    pub(crate) variance: f64,
     /// Step of the state per unit of the residual.
     pub(crate) state_gain: [f64; N],
     /// Step of the columns in use per unit of the residual, parameter units.

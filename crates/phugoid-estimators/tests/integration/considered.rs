@@ -9,6 +9,7 @@ use phugoid_estimators::settings::{
     ChangePrior, EkfSettings, EstimatorSettings, OutputInput, ParameterPrior, ProcessNoise, SettingsError,
 };
 use phugoid_estimators::smpe::{ConsideringSmpe, Smpe};
+use phugoid_estimators::supervisor::learnt::LearningRule;
 use phugoid_estimators::{
     ChangeState, ConstantEffects, Estimator, Inspect, LinearizedOutputs, LinearizedRates, Model, Sample,
 };
@@ -25,6 +26,9 @@ const K: usize = 5;
 /// States and columns of the filter, and with the constants.
 const J: usize = N + COLUMNS;
 const L: usize = J + K;
+
+/// The lag of the vane and the scale of the elevator, which the flight itself can tell.
+const LEARNABLE: [usize; 2] = [1, 4];
 
 type Flight = Vec<Sample<[f64; 1], R>>;
 
@@ -60,6 +64,10 @@ impl<const P: usize> Model<N, R, P> for Uncertain {
 
     fn constant_count(&self) -> usize {
         K
+    }
+
+    fn learnable_constants(&self) -> &[usize] {
+        &LEARNABLE
     }
 
     fn constant_effects<const K: usize>(
@@ -147,8 +155,16 @@ struct Reference {
     p: Dense<J>,
     /// What the errors really have.
     all: Dense<L>,
+    /// The covariance of a filter that has the learnable constants among its parameters and ignores the others, linearised where this one
+    /// is, and how far its estimate lies from this one's.
+    learning: Dense<L>,
+    apart: [f64; L],
     /// Rows inside the gate, and clipped ones that move the estimate by a fixed step.
     kappa: f64,
+}
+
+fn times<const D: usize>(f: &Dense<D>, x: &[f64; D]) -> [f64; D] {
+    core::array::from_fn(|i| (0..D).map(|j| f[i][j] * x[j]).sum())
 }
 
 impl Reference {
@@ -168,7 +184,11 @@ impl Reference {
         for k in 0..K {
             all[J + k][J + k] = variances[k];
         }
-        let mut reference = Self { settings, z, p, all, kappa };
+        let mut learning = all;
+        for k in (0..K).filter(|k| !LEARNABLE.contains(k)) {
+            learning[J + k][J + k] = 0.0;
+        }
+        let mut reference = Self { settings, z, p, all, learning, apart: [0.0; L], kappa };
         reference.start_state(sample);
         reference
     }
@@ -205,7 +225,10 @@ impl Reference {
         }
         self.p = conjugate(&f, &self.p);
         self.all = conjugate(&g, &self.all);
+        self.learning = conjugate(&g, &self.learning);
+        self.apart = times(&g, &self.apart);
         for i in 0..N {
+            self.learning[i][i] += self.settings.noise_std[i].powi(2);
             let variance = self.settings.noise_std[i].powi(2);
             self.p[i][i] += variance;
             self.all[i][i] += variance;
@@ -244,7 +267,10 @@ impl Reference {
             }
             self.p = conjugate(&f, &self.p);
             self.all = conjugate(&g, &self.all);
+            self.learning = conjugate(&g, &self.learning);
+            self.apart = times(&g, &self.apart);
             for i in 0..N {
+                self.learning[i][i] += self.settings.process_noise.variance_per_s[i] * h;
                 let q = self.settings.process_noise.variance_per_s[i] * h;
                 self.p[i][i] += q;
                 self.all[i][i] += q;
@@ -279,6 +305,22 @@ impl Reference {
             if innovation != y[i] - predicted {
                 // The step does not depend on the size of the residual, nor then on the constants.
                 continue;
+            }
+            // The filter that learns: its own gain, from where it is.
+            let whole: [f64; L] = core::array::from_fn(|k| if k < J { h[k] } else { effects.outputs[i][k - J] });
+            let ph = times(&self.learning, &whole);
+            let s = r + (0..L).map(|k| whole[k] * ph[k]).sum::<f64>();
+            let its = innovation - (0..L).map(|k| whole[k] * self.apart[k]).sum::<f64>();
+            for k in 0..L {
+                self.apart[k] += ph[k] / s * its - if k < J { gain[k] * innovation } else { 0.0 };
+            }
+            let f: Dense<L> =
+                core::array::from_fn(|k| core::array::from_fn(|l| f64::from(u8::from(k == l)) - ph[k] / s * whole[l]));
+            self.learning = conjugate(&f, &self.learning);
+            for k in 0..L {
+                for l in 0..L {
+                    self.learning[k][l] += ph[k] * r * ph[l] / (s * s);
+                }
             }
             // Joseph's form under the gain that ignores the constants.
             let (mut f, mut g) = ([[0.0; J]; J], [[0.0; L]; L]);
@@ -368,6 +410,60 @@ fn the_errors_of_constants_are_those_of_the_dense_covariance() {
     let ekf = difference(ekf, settings(), f64::INFINITY, &flight, None);
     println!("whole and cross: SMPE {smpe:?}, joint filter {ekf:?}");
     assert!(smpe.iter().chain(&ekf).all(|worst| *worst < 1e-10), "{smpe:?} {ekf:?}");
+}
+
+/// What the residuals say of lag and scale, applied to the estimate, is the filter that has both among its parameters: its estimate, its
+/// covariance, and the constants themselves, at every sample. Parts of the constants add up to it, too.
+fn from_the_filter_that_learns(
+    mut estimator: impl Inspect<R, P, Input = [f64; 1]>,
+    flight: &[Sample<[f64; 1], R>],
+) -> f64 {
+    let mut reference = Reference::new(settings(), f64::INFINITY, &VARIANCES, &flight[0]);
+    let rule = LearningRule { most_left: f64::INFINITY, misfit: 1.0, farthest: f64::INFINITY, colour: false };
+    let std = VARIANCES.map(f64::sqrt);
+    let mut worst: f64 = 0.0;
+    let mut least_left: f64 = 1.0;
+    for (k, sample) in flight.iter().enumerate() {
+        let estimate = estimator.update(sample);
+        if k == 0 {
+            assert!(estimator.evidence().is_none());
+            continue;
+        }
+        reference.predict(&flight[k - 1], sample);
+        reference.correct(sample.outputs, sample.input);
+        let Some(learnt) = estimator.evidence().unwrap().learn(&std, &rule) else { continue };
+        for (constant, value, left) in learnt.constants() {
+            let expected = reference.learning[J + constant][J + constant].sqrt();
+            worst = worst.max((left / expected - 1.0).abs());
+            worst = worst.max((value - reference.apart[J + constant]).abs() / expected);
+            least_left = least_left.min(left / std[constant]);
+        }
+        let mut covariance = [[0.0; P]; P];
+        estimator.covariance(&mut covariance);
+        for j in 0..COLUMNS {
+            let errors = estimator.error_by_constant(j).unwrap();
+            let column = learnt.column(errors);
+            let of_declared: f64 = LEARNABLE
+                .iter()
+                .map(|constant| (learnt.error(&column, *constant, errors[*constant]) * std[*constant]).powi(2))
+                .sum();
+            let expected = reference.learning[N + j][N + j];
+            worst = worst.max(((covariance[j][j] + column.variance + of_declared) / expected - 1.0).abs());
+            let value = reference.z[N + j] + reference.apart[N + j];
+            worst = worst.max((estimate.parameters[j] + column.shift - value).abs() / expected.sqrt());
+        }
+    }
+    assert!(least_left < 0.5, "{least_left}");
+    worst
+}
+
+#[test]
+fn what_is_learnt_is_that_of_the_filter_that_learns() {
+    let flight = flight(&regular(1500, 0.01));
+    let smpe = from_the_filter_that_learns(ConsideringSmpe::<_, N, R, P, K>::new(JET6, settings()).unwrap(), &flight);
+    let ekf = from_the_filter_that_learns(ConsideringEkf::<_, N, R, P, K>::new(JET6, settings()).unwrap(), &flight);
+    println!("SMPE {smpe:e}, joint filter {ekf:e}");
+    assert!(smpe < 1e-8 && ekf < 1e-8, "{smpe} {ekf}");
 }
 
 /// Jittering times that need sub-steps, an input that is interpolated and one that is held, and a state that is started
