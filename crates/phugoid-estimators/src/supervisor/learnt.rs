@@ -213,13 +213,21 @@ impl Learnt<'_> {
             *own = errors.get(constant).copied().unwrap_or(0.0);
         }
         let through = self.covariance.map(|row| dot(&row[..self.count], &own[..self.count]));
-        let mut variance = 0.0;
+        let shift = dot(&own[..self.count], &self.values[..self.count]);
+        let mut column = LearntColumn { shift, variance: 0.0, through };
+        column.variance = self.covariance(&column, &column);
+        column
+    }
+
+    /// What the noise of what is learnt adds to the covariance of two columns.
+    pub fn covariance(&self, column: &LearntColumn, other: &LearntColumn) -> f64 {
+        let mut sum = 0.0;
         for i in 0..self.count {
             for j in 0..self.count {
-                variance += through[i] * through[j] * self.weight * self.evidence.at(self.rows[i], self.rows[j]);
+                sum += column.through[i] * other.through[j] * self.evidence.at(self.rows[i], self.rows[j]);
             }
         }
-        LearntColumn { shift: dot(&own[..self.count], &self.values[..self.count]), variance, through }
+        self.weight * sum
     }
 
     /// The error of the corrected column per unit of a constant; `error`: that of the estimate.

@@ -428,14 +428,19 @@ pub(super) fn ranking(found: Vec<Ranked>) -> Ranking {
 }
 
 /// The study of its trials.
-pub(super) fn study(method: Method, trials: Vec<DrawnTrial>, ranking: Option<Ranking>) -> DrawnStudy {
+///
+/// Of a method that learns what a flight says of declared errors the estimate depends on what is declared: half and twice as much, and the powers
+/// of the scales, are told only without it.
+pub(super) fn study(method: Method, learns: bool, trials: Vec<DrawnTrial>, ranking: Option<Ranking>) -> DrawnStudy {
     let mut draws: Vec<Draw> = trials.iter().map(|t| t.draw).collect();
     draws.sort_unstable();
     draws.dedup();
     let mut summaries = Vec::new();
     for draw in draws {
         let of: Vec<&DrawnTrial> = trials.iter().filter(|t| t.draw == draw && !t.parameters.is_empty()).collect();
-        for budget in [Budget::None, Budget::Powers, Budget::Followed, Budget::Half, Budget::Twice] {
+        let of_learning: &[Budget] = &[Budget::None, Budget::Followed];
+        let of_others: &[Budget] = &[Budget::None, Budget::Powers, Budget::Followed, Budget::Half, Budget::Twice];
+        for &budget in if learns { of_learning } else { of_others } {
             summaries.push(summary(draw, budget, &of));
         }
     }

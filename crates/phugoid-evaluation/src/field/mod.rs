@@ -49,6 +49,8 @@ pub struct FieldOptions {
     pub likelihood: Likelihood,
     /// Where output error has the flow angles from.
     pub flow_angles: FlowAngles,
+    /// Whether SMPE and the joint filter use what a flight itself says of declared errors, where the model file leaves it to them.
+    pub learning: bool,
 }
 
 /// The result: every trial, and what they come to.
@@ -130,7 +132,11 @@ fn flights(folder: &Path, options: &FieldOptions) -> Result<Vec<Flight>, FieldEr
     if truths.is_empty() {
         return Err(FieldError::NoSuch(options.only.join(" or ")));
     }
-    truths.into_iter().map(open).collect()
+    let mut flights: Vec<Flight> = truths.into_iter().map(open).collect::<Result<_, _>>()?;
+    for flight in &mut flights {
+        flight.model.uncertainty.learns &= options.learning;
+    }
+    Ok(flights)
 }
 
 /// Looks for missing terms on the healthy flights below `folder`: with the model of the field, and with each term taken out
@@ -194,7 +200,8 @@ pub fn run_drawn(
     };
     let found = monte_carlo(ranked, rank, || done(all))?;
     let ranking = (ranked > 0).then(|| drawn::ranking(found.into_iter().flatten().collect()));
-    Ok(drawn::study(method, trials, ranking))
+    let learns = options.learning && matches!(method, Method::Smpe | Method::Ekf);
+    Ok(drawn::study(method, learns, trials, ranking))
 }
 
 /// Short flights of healthy aircraft: a long one adds nothing but time.

@@ -15,7 +15,7 @@ use super::method::Method;
 use super::options::Opens;
 pub use super::soundness::{EstimationStatus, ReasonCode, VerdictReason, headline, is_in_part, status_of};
 use super::systematic::in_words;
-pub use super::systematic::{SystematicPart, UncertainQuantity, UncertaintyUnit};
+pub use super::systematic::{LearntQuantity, SystematicPart, UncertainQuantity, UncertaintyUnit};
 use crate::batch::{BandUsed, Equation, OutputFit, Unknown};
 
 /// How well a parameter is known at the end of the record.
@@ -145,6 +145,10 @@ pub struct ParameterResult {
     /// that moves this parameter.
     #[serde(default)]
     pub systematic_parts: Vec<SystematicPart>,
+    /// What the flight says of the declared quantities ([`Estimation::learnt`]) has added to the estimate, in its unit; 0 where nothing is
+    /// learnt.
+    #[serde(default)]
+    pub learnt_shift: f64,
     /// The part of it that comes from the errors of corrections of the sensors, one sigma; 0 where the record was not
     /// corrected, or the corrections say nothing of their errors.
     #[serde(default)]
@@ -190,6 +194,7 @@ impl ParameterResult {
             corrected_std_error: 0.1,
             systematic_std: 0.0,
             systematic_parts: Vec::new(),
+            learnt_shift: 0.0,
             correction_std: 0.0,
             lower: 0.8,
             upper: 1.2,
@@ -326,6 +331,9 @@ pub struct Estimation {
     pub method: Method,
     /// Results of the parameters in the order of the model file, offsets and sensor biases last.
     pub parameters: Vec<ParameterResult>,
+    /// What the flight itself says of declared quantities; empty where nothing is declared, or the flight does not tell.
+    #[serde(default)]
+    pub learnt: Vec<LearntQuantity>,
     /// Correlation matrix of the errors, row and column as in `parameters`; 0 for a fixed parameter off the diagonal.
     pub correlation: Vec<Vec<f64>>,
     /// Sums of two derivatives that the flight determines, even where it does not determine the parts.

@@ -212,6 +212,42 @@ pub struct SystematicPart {
     pub effect: f64,
 }
 
+/// What the flight itself says of a declared quantity. It is in the values and in their bounds.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LearntQuantity {
+    /// The quantity.
+    pub quantity: UncertainQuantity,
+    /// The sensor or the surfaces that it is about: `alpha`, `elevator`, `aileron and rudder`.
+    pub of: String,
+    /// Its value, in the unit of the quantity ([`UncertainQuantity::unit`], SI); positive as in [`SystematicPart::effect`]. The model file
+    /// declares that it is zero.
+    pub value: f64,
+    /// Standard uncertainty that the flight leaves of it.
+    pub std_error: f64,
+}
+
+impl LearntQuantity {
+    /// Value and two standard uncertainties in words: `lag of flow angles (alpha) 2.9 +- 8.1 ms`.
+    pub(crate) fn in_words(&self) -> String {
+        let (unit, scale) = match self.quantity.unit() {
+            UncertaintyUnit::Time => ("ms", 1000.0),
+            UncertaintyUnit::Angle => ("deg", 1.0_f64.to_degrees()),
+            UncertaintyUnit::PerAngle => ("%/deg", 100.0 * 1.0_f64.to_radians()),
+            UncertaintyUnit::Length => ("cm", 100.0),
+            UncertaintyUnit::Part | UncertaintyUnit::Chord => ("%", 100.0),
+        };
+        let bound = 2.0 * scale * self.std_error;
+        let digits = if bound < 0.1 {
+            3
+        } else if bound < 1.0 {
+            2
+        } else {
+            1
+        };
+        format!("{} ({}) {:.digits$} +- {bound:.digits$} {unit}", self.quantity, self.of, scale * self.value)
+    }
+}
+
 /// The systematic error of one parameter, sorted by quantity.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ByQuantity {

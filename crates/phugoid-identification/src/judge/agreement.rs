@@ -58,6 +58,8 @@ fn advice(first: Method, second: Method) -> &'static str {
 /// A parameter that is compared, by both methods.
 struct Pair<'a> {
     found: &'a ParameterResult,
+    /// Its value without what the flight says of declared errors.
+    value: f64,
     random: f64,
     other: &'a OtherValue,
     /// The difference in standard errors.
@@ -83,13 +85,15 @@ pub(super) fn reason<'a>(
         let found = parameters.iter().find(|p| p.name == other.name)?;
         // What is declared of systematic errors, and what corrections leave, is the same for both.
         let random = found.random_std();
-        let apart = (found.value - other.value).abs() / random.hypot(other.std_error);
+        // The other method does not know what the flight says of declared errors.
+        let value = found.value - found.learnt_shift;
+        let apart = (value - other.value).abs() / random.hypot(other.std_error);
         let counts = !found.nuisance && is_claimed(found) && apart > limit(method, answer.method);
-        counts.then_some(Pair { found, random, other, apart })
+        counts.then_some(Pair { found, value, random, other, apart })
     };
     let mut pairs: Vec<Pair<'_>> = answer.values.iter().filter_map(pair).collect();
     pairs.sort_by(|a, b| b.apart.total_cmp(&a.apart));
-    let Pair { found, random, other, apart } = pairs.first()?;
+    let Pair { found, value, random, other, apart } = pairs.first()?;
     let others = match pairs.len() {
         1 => String::new(),
         2 => " One parameter more differs as much.".to_owned(),
@@ -103,7 +107,7 @@ pub(super) fn reason<'a>(
             "{} is {} +- {} by {method} and {} +- {} by {}, {apart:.1} of their errors apart.{others} With a model and sensors \
              that are right they agree: {}",
             found.name,
-            significant(found.value, 4),
+            significant(*value, 4),
             significant(*random, 2),
             significant(other.value, 4),
             significant(other.std_error, 2),

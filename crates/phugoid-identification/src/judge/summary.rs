@@ -76,6 +76,7 @@ pub(crate) fn summarise<M: EveryRoom<N, R>, const N: usize, const R: usize>(
         model: file.source.clone(),
         method: task.method(),
         parameters,
+        learnt: run.learnt.clone(),
         correlation,
         effective,
         totals,
@@ -202,6 +203,7 @@ fn result(
         corrected_std_error: 0.0,
         systematic_std: 0.0,
         systematic_parts: Vec::new(),
+        learnt_shift: 0.0,
         correction_std: 0.0,
         lower: parameter.start,
         upper: parameter.start,
@@ -217,7 +219,8 @@ fn result(
     };
     let Some(j) = column else { return result };
     let last = &columns[j];
-    result.value = last.value;
+    result.learnt_shift = last.learnt_shifts.last().copied().unwrap_or(0.0);
+    result.value = last.value + result.learnt_shift;
     result.std_error = last.std_error;
     result.corrected_std_error = last.corrected_std_error;
     result.systematic_std = last.systematic_std;
@@ -227,7 +230,7 @@ fn result(
     result.status = last.status.into();
     result.observability = last.observability;
     if result.status != FinalStatus::NotExcited {
-        result.converged_at_s = converged_at(time, start_s, &last.values, truth.unwrap_or(result.value));
+        result.converged_at_s = converged_at(time, start_s, &last.shown_values(), truth.unwrap_or(result.value));
     }
     result
 }
@@ -273,11 +276,11 @@ fn history<M: Motion<N, R>, const N: usize, const R: usize>(
     let parameter = |(p, column): &(&Parameter, Option<usize>)| {
         let name = p.name.clone();
         match column.map(|j| &run.columns[j]) {
-            Some(ColumnRun { values, std_errors, surfaces, .. }) => ParameterHistory {
+            Some(column) => ParameterHistory {
                 name,
-                value: values.clone(),
-                std_error: std_errors.clone(),
-                surface: surfaces.clone(),
+                value: column.shown_values(),
+                std_error: column.std_errors.clone(),
+                surface: column.surfaces.clone(),
             },
             None => ParameterHistory {
                 name,

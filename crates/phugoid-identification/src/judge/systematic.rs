@@ -1,6 +1,20 @@
 //! Which parameters a longer flight does not improve, and what would.
 
 use crate::core::estimation::{FinalStatus, ParameterResult, UncertainQuantity};
+use crate::core::systematic::LearntQuantity;
+
+/// What the flight itself says of declared errors; `None` where it does not tell.
+pub(crate) fn learnt(quantities: &[LearntQuantity]) -> Option<String> {
+    if quantities.is_empty() {
+        return None;
+    }
+    let all: Vec<String> = quantities.iter().map(LearntQuantity::in_words).collect();
+    Some(format!(
+        "Of these errors the flight itself tells some, and values and bounds contain what it says (learn = false under [uncertainty] \
+         leaves it out): {}.",
+        all.join(", ")
+    ))
+}
 
 /// Names the parameters whose systematic part is larger than the random one, and the quantity that has the largest
 /// share in them; `None` where there is no such parameter.

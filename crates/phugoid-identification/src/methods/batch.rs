@@ -108,6 +108,7 @@ pub(super) fn run_batch<M: MotionModel<N, R, CAPACITY>, const N: usize, const R:
         disputed: None,
         said_of_base: None,
         follows_constants: systematic.is_some(),
+        learnt: Vec::new(),
     };
     progress(1.0);
     Ok(run)
@@ -499,6 +500,7 @@ fn column<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
     ColumnRun {
         values: vec![value; samples],
         std_errors: vec![corrected_with; samples],
+        learnt_shifts: Vec::new(),
         surfaces: vec![0.0; samples],
         value,
         std_error,

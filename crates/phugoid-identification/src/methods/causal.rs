@@ -3,10 +3,12 @@
 use phugoid_estimators::{ParameterStatus, Phase, Sample, Status};
 
 use super::consistency::Consistency;
+use super::followed::LearntConstant;
 use super::readiness::ColumnVerdict;
 use super::stepper::CausalRun;
 use super::task::{ColumnRun, LearntNoise, Run, Task, log_density};
 use crate::core::error::EstimateError;
+use crate::core::systematic::LearntQuantity;
 use crate::motion::Motion;
 
 /// Takes a causal method that has been set up over the record of its task.
@@ -23,6 +25,7 @@ pub(super) fn run_causal<M: Motion<N, R>, const N: usize, const R: usize>(
     let blank = ColumnRun {
         values: Vec::with_capacity(samples),
         std_errors: Vec::with_capacity(samples),
+        learnt_shifts: Vec::with_capacity(samples),
         surfaces: Vec::with_capacity(samples),
         value: 0.0,
         std_error: 0.0,
@@ -55,6 +58,7 @@ pub(super) fn run_causal<M: Motion<N, R>, const N: usize, const R: usize>(
         disputed: None,
         said_of_base: None,
         follows_constants: task.follows_constants(),
+        learnt: Vec::new(),
     };
     let mut surfaces = vec![0.0; run.columns.len()];
     let mut consistency = Consistency::NONE;
@@ -67,6 +71,7 @@ pub(super) fn run_causal<M: Motion<N, R>, const N: usize, const R: usize>(
         for (j, column) in run.columns.iter_mut().enumerate() {
             column.values.push(shown.parameters[j]);
             column.std_errors.push(shown.corrected_std_error[j]);
+            column.learnt_shifts.push(shown.learnt_shift[j]);
             column.surfaces.push(surfaces[j]);
         }
         let phase = shown.status.phase;
@@ -89,6 +94,19 @@ pub(super) fn run_causal<M: Motion<N, R>, const N: usize, const R: usize>(
     run.consistency = consistency.outputs();
     run.excited = stepper.has_moved();
     run.covariance = stepper.covariance();
+    let of_constant = |one: &LearntConstant| LearntQuantity {
+        quantity: M::CONSTANTS[one.constant],
+        of: M::LEARNABLE
+            .iter()
+            .position(|constant| *constant == one.constant)
+            .and_then(|place| M::LEARNABLE_OF.get(place))
+            .copied()
+            .unwrap_or_default()
+            .to_owned(),
+        value: one.value,
+        std_error: one.std_error,
+    };
+    run.learnt = stepper.learnt().iter().map(of_constant).collect();
     let (last, sensitivity) = (stepper.shown(), stepper.change_sensitivity());
     for (j, column) in run.columns.iter_mut().enumerate() {
         column.value = last.parameters[j];

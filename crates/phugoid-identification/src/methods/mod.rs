@@ -6,6 +6,7 @@ mod changes;
 mod consistency;
 mod constants;
 mod flown_record;
+pub(crate) mod followed;
 mod gate;
 mod health_watch;
 mod predict;

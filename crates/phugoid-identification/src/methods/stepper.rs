@@ -7,6 +7,7 @@ use phugoid_estimators::settings::{EstimatorSettings, ParameterPrior};
 use phugoid_estimators::{ChangeState, DetectorReport, Estimate, Innovations, ParameterStatus, Sample, Status};
 
 use super::changes::Changes;
+use super::followed::{FollowedErrors, LearntConstant};
 use super::gate::{Gated, GatedInput, open};
 use super::health_watch::{HealthRun, Monitoring};
 use super::readiness::{ColumnVerdict, ReadinessWatch};
@@ -76,6 +77,9 @@ pub(crate) trait CausalRun<I, const R: usize>: Send {
     /// True while the noise levels are still to be learnt and the estimates provisional.
     fn is_provisional(&self) -> bool;
 
+    /// The declared constants of which the flight itself says what they are.
+    fn learnt(&self) -> &[LearntConstant];
+
     /// The declared quantities that make the systematic part of a column, the largest share first.
     fn systematic_parts(&self, column: usize) -> Vec<SystematicPart>;
 
@@ -107,6 +111,9 @@ pub(crate) struct Shown<'a> {
     pub(crate) corrected_std_error: &'a [f64],
     /// The part of it that the model file declares.
     pub(crate) systematic_std: &'a [f64],
+    /// What the flight says of the declared constants adds to the estimates, in the units of the parameters. The errors above are those
+    /// of the sum.
+    pub(crate) learnt_shift: &'a [f64],
     pub(crate) observability: &'a [f64],
     pub(crate) parameter_status: &'a [ParameterStatus],
 }
@@ -132,12 +139,14 @@ pub(super) struct Stepper<M: MotionModel<N, R, P>, const N: usize, const R: usiz
     lead: Lead<M::KnownInput, R>,
     /// How the surfaces move.
     surfaces: SurfaceMotions,
-    /// Declared standard uncertainty of each constant of the motion.
-    declared: Vec<f64>,
+    /// The errors of the declared constants.
+    followed: FollowedErrors,
     /// Declared uncertainty by column, for a method that does not follow the errors.
     by_powers: Vec<ByPowers>,
     /// One sigma of the systematic part of the last estimate, by column.
     systematic_std: [f64; P],
+    /// What the flight says of the declared constants adds to it, by column.
+    learnt_shift: [f64; P],
     watch: Watch,
     changes: Changes,
     readiness: ReadinessWatch<R, P>,
@@ -190,9 +199,10 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> St
             lead: Lead::default(),
             watch: Watch::new(settings.maximum_step_s.max(3.5 * settings.sample_time_s)),
             surfaces: SurfaceMotions::new(file.uncertainty.surface_play),
-            declared: declared::<M, N, R>(file),
+            followed: FollowedErrors::new(declared::<M, N, R>(file), file.uncertainty.learns),
             by_powers: prepared.by_powers(file).collect(),
             systematic_std: [0.0; P],
+            learnt_shift: [0.0; P],
             changes: Changes::default(),
             readiness: ReadinessWatch::new(),
             monitoring,
@@ -204,18 +214,9 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> St
         self.estimator.column_count().min(P)
     }
 
-    /// What one declared standard uncertainty of each constant does to a column, estimate less truth; none where the errors are not
-    /// followed, or are not numbers.
-    fn followed(&self, column: usize) -> Option<impl Iterator<Item = f64> + Clone + '_> {
-        // The errors are those of the truth against the estimate.
-        let errors = self.estimator.error_by_constant(column)?;
-        let effects = errors.iter().zip(&self.declared).map(|(error, std)| -error * std);
-        effects.clone().all(f64::is_finite).then_some(effects)
-    }
-
     /// One sigma of the systematic part of a column.
     fn systematic(&self, column: usize, value: f64) -> f64 {
-        match self.followed(column) {
+        match self.followed.effects(column) {
             Some(effects) => effects.map(|effect| effect * effect).sum::<f64>().sqrt(),
             None => self.by_powers.get(column).map_or(0.0, |powers| powers.std(value)),
         }
@@ -223,8 +224,8 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> St
 
     /// A column with what is declared, for comparing it with itself at another time. `random_std`: its standard error without.
     fn column(&self, column: usize, value: f64, random_std: f64) -> Column {
-        match self.followed(column) {
-            Some(effects) => Column::new(value, random_std, effects),
+        match self.followed.effects(column) {
+            Some(effects) => Column::new(value + self.followed.shift(column), random_std, effects),
             None => {
                 let effects = self.by_powers.get(column).into_iter().flat_map(|powers| powers.effects(value));
                 Column::new(value, random_std, effects.flatten())
@@ -331,6 +332,13 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> Ca
         self.watch.look(&estimate, sample.time_s, self.estimator.restarts(), events);
         if !self.waiting {
             let columns = self.columns();
+            self.followed.look(&*self.estimator, columns);
+            for j in 0..columns {
+                let noise = self.followed.noise_std(j);
+                estimate.std_error[j] = estimate.std_error[j].hypot(noise);
+                estimate.corrected_std_error[j] = estimate.corrected_std_error[j].hypot(noise);
+                self.learnt_shift[j] = self.followed.shift(j);
+            }
             let mut changes = std::mem::take(&mut self.changes);
             let now = estimate.parameters.iter().zip(&estimate.corrected_std_error).enumerate().take(columns);
             let now = now.map(|(j, (value, std))| self.column(j, *value, *std));
@@ -358,6 +366,7 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> Ca
             std_error: &shown.std_error[..columns],
             corrected_std_error: &shown.corrected_std_error[..columns],
             systematic_std: &self.systematic_std[..columns],
+            learnt_shift: &self.learnt_shift[..columns],
             observability: &shown.observability[..columns],
             parameter_status: &shown.parameter_status[..columns],
         }
@@ -402,7 +411,11 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> Ca
             covariance.iter_mut().for_each(|row| row[j] = 0.0);
             covariance[j][j] = self.estimator.prior_std()[j].powi(2);
         }
-        covariance[..columns].iter().map(|row| row[..columns].to_vec()).collect()
+        let mut covariance: Vec<Vec<f64>> = covariance[..columns].iter().map(|row| row[..columns].to_vec()).collect();
+        if !self.waiting {
+            self.followed.widen(&*self.estimator, &mut covariance);
+        }
+        covariance
     }
 
     fn change_sensitivity(&self) -> Vec<f64> {
@@ -417,8 +430,12 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> Ca
         self.replay.as_ref().is_some_and(|replay| !replay.is_done())
     }
 
+    fn learnt(&self) -> &[LearntConstant] {
+        self.followed.learnt()
+    }
+
     fn systematic_parts(&self, column: usize) -> Vec<SystematicPart> {
-        let Some(effects) = self.followed(column) else {
+        let Some(effects) = self.followed.effects(column) else {
             let value = self.shown.parameters[column];
             return self.by_powers.get(column).map_or_else(Vec::new, |powers| powers.shares(value));
         };

@@ -10,7 +10,7 @@ use crate::core::estimation::{BatchReport, ChangeOutcome, Event, SecondAnswer};
 use crate::core::health::HealthOptions;
 use crate::core::method::Method;
 use crate::core::options::{EstimateOptions, Opens};
-use crate::core::systematic::SystematicPart;
+use crate::core::systematic::{LearntQuantity, SystematicPart};
 use crate::model_file::ModelFile;
 use crate::motion::Motion;
 use crate::preparation::noise::NoiseLevel;
@@ -55,6 +55,8 @@ pub(crate) struct Run<const R: usize> {
     pub(crate) said_of_base: Option<String>,
     /// True if errors of the declared constants were followed, false if they are carried by the powers of the scales.
     pub(crate) follows_constants: bool,
+    /// The declared constants of which the flight itself says what they are.
+    pub(crate) learnt: Vec<LearntQuantity>,
 }
 
 /// A moment at which a record asks for other parameters, though none of them shows that the aircraft changed.
@@ -109,6 +111,9 @@ pub(crate) struct ColumnRun {
     pub(crate) values: Vec<f64>,
     /// By sample, corrected for the colour of the residuals.
     pub(crate) std_errors: Vec<f64>,
+    /// By sample, what the flight says of the declared constants adds to the estimate, which the values are without: judgements hold them
+    /// against methods and equations that do not know of it. Empty where nothing is learnt.
+    pub(crate) learnt_shifts: Vec<f64>,
     /// Correction that the estimator would have liked to make at each sample, in the parameter's unit, for display.
     pub(crate) surfaces: Vec<f64>,
     /// The rest: at the end.
@@ -124,6 +129,14 @@ pub(crate) struct ColumnRun {
     pub(crate) change_sensitivity: f64,
     /// Whether the value can be used, and since when.
     pub(crate) verdict: ColumnVerdict,
+}
+
+impl ColumnRun {
+    /// The values by sample as they are shown: with what the flight says of the declared constants.
+    pub(crate) fn shown_values(&self) -> Vec<f64> {
+        let shifts = self.learnt_shifts.iter().copied().chain(std::iter::repeat(0.0));
+        self.values.iter().zip(shifts).map(|(value, shift)| value + shift).collect()
+    }
 }
 
 /// The arguments of a run of a method.

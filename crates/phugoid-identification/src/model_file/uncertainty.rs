@@ -58,6 +58,8 @@ pub struct Uncertainty {
     pub by_default: bool,
     /// How the errors are carried into those of the parameters.
     pub propagation: Propagation,
+    /// Whether SMPE and the joint filter take what the flight itself says of lags, times and play into account.
+    pub learns: bool,
 }
 
 /// How well the aircraft of a file is known that increments are estimated to (`base`).
@@ -123,6 +125,7 @@ impl Uncertainty {
         base: BaseUncertainty::None,
         by_default: false,
         propagation: Propagation::Recursion,
+        learns: true,
     };
 
     /// Of an aircraft that was prepared for a flight test: airspeed 1.5 % (14 CFR 25.1323 allows an installation error
@@ -215,7 +218,8 @@ impl Uncertainty {
     /// The section `[uncertainty]`; without it the usual ones.
     pub(super) fn parse(top: &Section, mass: &Source, has_known: bool) -> Result<Self, ModelFileError> {
         let Some(section) = top.section("uncertainty")? else { return Ok(Self::usual(mass)) };
-        let keys = ["class", "propagation"].into_iter().chain(UncertainQuantity::ALL.map(UncertainQuantity::key));
+        let keys =
+            ["class", "propagation", "learn"].into_iter().chain(UncertainQuantity::ALL.map(UncertainQuantity::key));
         section.allow("key", keys)?;
         let classes = ["flight-test", "unstated", "unmanned", "unmanned-without-vane", "none"];
         let mut own = match section.word("class", &classes)? {
@@ -227,6 +231,9 @@ impl Uncertainty {
         };
         if section.word("propagation", &["recursion", "powers"])? == Some("powers") {
             own.propagation = Propagation::Powers;
+        }
+        if let Some(learns) = section.boolean("learn")? {
+            own.learns = learns;
         }
         for quantity in UncertainQuantity::ALL {
             let key = quantity.key();

@@ -7,7 +7,7 @@ use crate::core::axes::Axes;
 use crate::core::output::Output;
 use crate::core::systematic::UncertainQuantity;
 use crate::model_file::ModelFile;
-use crate::models::lateral::constants::{BIAS_OF_BETA, CONSTANTS};
+use crate::models::lateral::constants::{BIAS_OF_BETA, CONSTANTS, LEARNABLE, LEARNABLE_OF};
 use crate::models::lateral::{LATERAL_OUTPUTS, LATERAL_STATES, LateralInput, LateralModel};
 use crate::models::longitudinal::Database;
 use crate::models::rigid::AircraftConstants;
@@ -50,6 +50,10 @@ impl Motion<LATERAL_STATES, LATERAL_OUTPUTS> for LateralModel {
     }
 
     const CONSTANTS: &'static [UncertainQuantity] = &CONSTANTS;
+
+    const LEARNABLE: &'static [usize] = &LEARNABLE;
+
+    const LEARNABLE_OF: &'static [&'static str] = &LEARNABLE_OF;
 
     fn bias_constant(output: Output) -> Option<usize> {
         (output == Output::Beta).then_some(BIAS_OF_BETA)

@@ -9,7 +9,7 @@ use crate::core::output::Output;
 use crate::core::systematic::UncertainQuantity;
 use crate::core::term::{Coefficient, Term, Variable};
 use crate::model_file::{AirDensity, ModelFile, RateSpeed, Source};
-use crate::models::longitudinal::constants::{BIAS_OF_ALPHA, CONSTANTS};
+use crate::models::longitudinal::constants::{BIAS_OF_ALPHA, CONSTANTS, LEARNABLE, LEARNABLE_OF};
 use crate::models::longitudinal::{
     Database, LongitudinalConstants, LongitudinalInput, LongitudinalModel, OUTPUTS, STATES,
 };
@@ -56,6 +56,10 @@ impl Motion<STATES, OUTPUTS> for LongitudinalModel {
     }
 
     const CONSTANTS: &'static [UncertainQuantity] = &CONSTANTS;
+
+    const LEARNABLE: &'static [usize] = &LEARNABLE;
+
+    const LEARNABLE_OF: &'static [&'static str] = &LEARNABLE_OF;
 
     fn bias_constant(output: Output) -> Option<usize> {
         (output == Output::Alpha).then_some(BIAS_OF_ALPHA)

@@ -43,6 +43,12 @@ pub trait Motion<const N: usize, const R: usize>: Clone + Debug + Send + 'static
     /// have several columns, whose errors have nothing to do with each other. None for a motion without.
     const CONSTANTS: &'static [UncertainQuantity] = &[];
 
+    /// The constants that leave a trace in residuals ([`Model::learnable_constants`]), by column of [`Motion::effects`].
+    const LEARNABLE: &'static [usize] = &[];
+
+    /// What each of them is about, in words: the surface, the sensor.
+    const LEARNABLE_OF: &'static [&'static str] = &[];
+
     /// The constant that is the bias of an output, by column of [`Motion::effects`]; none if there is no such constant.
     fn bias_constant(_output: Output) -> Option<usize> {
         None

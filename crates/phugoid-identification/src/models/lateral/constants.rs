@@ -37,6 +37,11 @@ pub(crate) const CONSTANTS: [UncertainQuantity; 21] = [
     UncertainQuantity::AccelerationPosition,
 ];
 
+/// Those that leave a trace in residuals: lag of the vane, time of the surfaces, play of aileron and rudder.
+pub(crate) const LEARNABLE: [usize; 4] = [3, 6, 16, 17];
+/// What they are about.
+pub(crate) const LEARNABLE_OF: [&str; 4] = ["beta", "aileron and rudder", "aileron", "rudder"];
+
 /// Place of the constant that is the bias of the sideslip.
 pub(crate) const BIAS_OF_BETA: usize = 12;
 

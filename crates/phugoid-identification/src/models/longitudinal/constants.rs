@@ -33,6 +33,11 @@ pub(crate) const CONSTANTS: [UncertainQuantity; 19] = [
     UncertainQuantity::AccelerationPosition,
 ];
 
+/// Those that leave a trace in residuals: lag of the vane, time and play of the elevator, and the airspeed with the angle of attack.
+pub(crate) const LEARNABLE: [usize; 4] = [3, 5, 15, 1];
+/// What they are about.
+pub(crate) const LEARNABLE_OF: [&str; 4] = ["alpha", "elevator", "elevator", "true_airspeed"];
+
 /// Place of the constant that is the bias of the angle of attack.
 pub(crate) const BIAS_OF_ALPHA: usize = 12;
 

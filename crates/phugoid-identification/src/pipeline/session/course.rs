@@ -167,7 +167,7 @@ impl<M: Motion<N, R>, const N: usize, const R: usize> Running<M, N, R> {
         snapshot.moved = self.run.has_moved();
         snapshot.parameters.resize_with(estimate.parameters.len(), LiveParameter::default);
         for (j, parameter) in snapshot.parameters.iter_mut().enumerate() {
-            parameter.value = estimate.parameters[j];
+            parameter.value = estimate.parameters[j] + estimate.learnt_shift[j];
             parameter.std_error = estimate.corrected_std_error[j];
             parameter.systematic_std = estimate.systematic_std[j];
             parameter.status = estimate.parameter_status[j];
