@@ -32,9 +32,46 @@ pub(crate) struct Collected<const K: usize> {
     information: [[f64; K]; MOST_LEARNT],
     /// `g`.
     score: [f64; MOST_LEARNT],
-    /// The score of the running block, and the sums of the squares of those of the blocks before.
+    /// Score and information of the running block, the latter among the learnable constants.
     block: [f64; MOST_LEARNT],
-    scatter: [f64; MOST_LEARNT],
+    block_information: [[f64; MOST_LEARNT]; MOST_LEARNT],
+    scatter: Scatter,
+}
+
+/// How the scores `g_b` of the blocks scatter about what the constants make of them, `M_b c`: sums over the blocks from which
+/// `sum (g_b - M_b c)_k^2` follows for any `c`.
+#[derive(Clone, Copy, Debug)]
+struct Scatter {
+    /// `sum g_k^2`.
+    square: [f64; MOST_LEARNT],
+    /// `sum g_k M_kj`.
+    cross: [[f64; MOST_LEARNT]; MOST_LEARNT],
+    /// `sum M_ki M_kj`, by `k`.
+    outer: [[[f64; MOST_LEARNT]; MOST_LEARNT]; MOST_LEARNT],
+}
+
+impl Scatter {
+    const NONE: Self = Self {
+        square: [0.0; MOST_LEARNT],
+        cross: [[0.0; MOST_LEARNT]; MOST_LEARNT],
+        outer: [[[0.0; MOST_LEARNT]; MOST_LEARNT]; MOST_LEARNT],
+    };
+
+    fn add(&mut self, score: &[f64; MOST_LEARNT], information: &[[f64; MOST_LEARNT]; MOST_LEARNT]) {
+        for k in 0..MOST_LEARNT {
+            self.square[k] += score[k] * score[k];
+            add_scaled(&mut self.cross[k], score[k], &information[k]);
+            for i in 0..MOST_LEARNT {
+                add_scaled(&mut self.outer[k][i], information[k][i], &information[k]);
+            }
+        }
+    }
+
+    /// Of the score of one constant, where all have the values `c`.
+    fn about(&self, k: usize, c: &[f64; MOST_LEARNT]) -> f64 {
+        let made: f64 = self.outer[k].iter().zip(c).map(|(row, own)| own * dot(row, c)).sum();
+        (self.square[k] - 2.0 * dot(&self.cross[k], c) + made).max(0.0)
+    }
 }
 
 impl<const K: usize> Collected<K> {
@@ -42,7 +79,8 @@ impl<const K: usize> Collected<K> {
         information: [[0.0; K]; MOST_LEARNT],
         score: [0.0; MOST_LEARNT],
         block: [0.0; MOST_LEARNT],
-        scatter: [0.0; MOST_LEARNT],
+        block_information: [[0.0; MOST_LEARNT]; MOST_LEARNT],
+        scatter: Scatter::NONE,
     };
 
     /// A row: `zeta`, the residual and its variance.
@@ -55,16 +93,18 @@ impl<const K: usize> Collected<K> {
                 add_scaled(&mut self.information[place], own, zeta);
                 self.score[place] += own * residual;
                 self.block[place] += own * residual;
+                for (sum, other) in self.block_information[place].iter_mut().zip(constants) {
+                    *sum += own * zeta.get(*other).copied().unwrap_or(0.0);
+                }
             }
         }
     }
 
     /// Ends a block of the colour correction.
     pub(crate) fn close_block(&mut self) {
-        for (scatter, block) in self.scatter.iter_mut().zip(&mut self.block) {
-            *scatter += *block * *block;
-            *block = 0.0;
-        }
+        self.scatter.add(&self.block, &self.block_information);
+        self.block = [0.0; MOST_LEARNT];
+        self.block_information = [[0.0; MOST_LEARNT]; MOST_LEARNT];
     }
 
     /// As it is shown, with `count` constants in use.
@@ -87,7 +127,7 @@ pub struct Evidence<'a> {
     /// `M`, row = learnable constant, column = constant.
     information: [&'a [f64]; MOST_LEARNT],
     score: &'a [f64; MOST_LEARNT],
-    scatter: &'a [f64; MOST_LEARNT],
+    scatter: &'a Scatter,
 }
 
 /// When a constant is learnt, and how far residuals are believed.
@@ -109,6 +149,12 @@ impl Default for LearningRule {
     fn default() -> Self {
         Self { most_left: 0.4, misfit: 4.0, colour: true, farthest: 3.0 }
     }
+}
+
+/// Values of some constants, and their covariance.
+struct Solved {
+    values: [f64; MOST_LEARNT],
+    covariance: [[f64; MOST_LEARNT]; MOST_LEARNT],
 }
 
 /// The constants that are learnt, and what they make of an estimate.
@@ -152,42 +198,55 @@ impl<'a> Evidence<'a> {
         }
         while count > 0 {
             let used = &rows[..count];
-            let coloured = used.iter().filter(|_| rule.colour).map(|row| self.scatter[*row] / self.at(*row, *row));
-            let colour = coloured.fold(1.0, f64::max);
-            let weight = 1.0 / (colour * rule.misfit.max(1.0));
-            let mut inverse = [[0.0; MOST_LEARNT]; MOST_LEARNT];
-            for (i, row) in used.iter().enumerate() {
-                for (j, other) in used.iter().enumerate() {
-                    inverse[i][j] = weight * self.at(*row, *other);
-                }
-                let std = declared(*row)?;
-                inverse[i][i] += 1.0 / (std * std);
+            let misfit = 1.0 / rule.misfit.max(1.0);
+            // The scatter about what the constants make of the scores: about zero an error of theirs would count as colour.
+            let first = self.solved(used, std, misfit)?;
+            let mut all = [0.0; MOST_LEARNT];
+            for (row, value) in used.iter().zip(first.values) {
+                all[*row] = value;
             }
-            let factors = Cholesky::new(&mut inverse, count)?;
-            let mut covariance = [[0.0; MOST_LEARNT]; MOST_LEARNT];
-            let mut values = [0.0; MOST_LEARNT];
-            for (i, column) in covariance.iter_mut().enumerate().take(count) {
-                column[i] = 1.0;
-                factors.solve(column);
-                values[i] = weight * self.score[used[i]];
-            }
-            factors.solve(&mut values);
-            let left = |i: usize| libm::sqrt(covariance[i][i]) / declared(used[i]).unwrap_or(f64::NAN);
-            let far = |i: usize| {
-                let size = values[i].abs() / declared(used[i]).unwrap_or(f64::NAN);
-                size.is_nan() || size > rule.farthest
-            };
-            if (0..count).any(far) {
-                return None;
-            }
+            let coloured = used.iter().filter(|_| rule.colour);
+            let colour = coloured.map(|row| self.scatter.about(*row, &all) / self.at(*row, *row)).fold(1.0, f64::max);
+            let Solved { values, covariance } = self.solved(used, std, misfit / colour)?;
+            let part = |row: usize, size: f64| size / declared(row).unwrap_or(f64::NAN);
+            let left = |i: usize| part(used[i], libm::sqrt(covariance[i][i]));
             let vaguest = (0..count).max_by(|i, j| left(*i).total_cmp(&left(*j)))?;
             if left(vaguest) < rule.most_left {
-                return Some(Learnt { evidence: *self, count, rows, values, covariance, weight });
+                let is_far = |(row, value): (&usize, &f64)| {
+                    let size = part(*row, value.abs());
+                    size.is_nan() || size > rule.farthest
+                };
+                if used.iter().zip(&values).any(is_far) {
+                    return None;
+                }
+                return Some(Learnt { evidence: *self, count, rows, values, covariance, weight: misfit / colour });
             }
             rows.copy_within(vaguest + 1..count, vaguest);
             count -= 1;
         }
         None
+    }
+
+    /// Values and covariance of the constants of some rows, whose residuals count with a weight. `None` where they are no numbers.
+    fn solved(&self, used: &[usize], std: &[f64], weight: f64) -> Option<Solved> {
+        let mut inverse = [[0.0; MOST_LEARNT]; MOST_LEARNT];
+        let mut values = [0.0; MOST_LEARNT];
+        for (i, row) in used.iter().enumerate() {
+            for (j, other) in used.iter().enumerate() {
+                inverse[i][j] = weight * self.at(*row, *other);
+            }
+            let std = *std.get(*self.constants.get(*row)?)?;
+            inverse[i][i] += 1.0 / (std * std);
+            values[i] = weight * self.score[*row];
+        }
+        let factors = Cholesky::new(&mut inverse, used.len())?;
+        let mut covariance = [[0.0; MOST_LEARNT]; MOST_LEARNT];
+        for (i, column) in covariance.iter_mut().enumerate().take(used.len()) {
+            column[i] = 1.0;
+            factors.solve(column);
+        }
+        factors.solve(&mut values);
+        Some(Solved { values, covariance })
     }
 
     /// An entry of `M_SS`, by rows.

@@ -3,7 +3,7 @@
 use phugoid_estimators::{ParameterStatus, Phase, Sample, Status};
 
 use super::consistency::Consistency;
-use super::followed::LearntConstant;
+use super::declared_errors::LearntConstant;
 use super::readiness::ColumnVerdict;
 use super::stepper::CausalRun;
 use super::task::{ColumnRun, LearntNoise, Run, Task, log_density};

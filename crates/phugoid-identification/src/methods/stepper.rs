@@ -7,7 +7,7 @@ use phugoid_estimators::settings::{EstimatorSettings, ParameterPrior};
 use phugoid_estimators::{ChangeState, DetectorReport, Estimate, Innovations, ParameterStatus, Sample, Status};
 
 use super::changes::Changes;
-use super::followed::{FollowedErrors, LearntConstant};
+use super::declared_errors::{DeclaredErrors, LearntConstant};
 use super::gate::{Gated, GatedInput, open};
 use super::health_watch::{HealthRun, Monitoring};
 use super::readiness::{ColumnVerdict, ReadinessWatch};
@@ -140,7 +140,7 @@ pub(super) struct Stepper<M: MotionModel<N, R, P>, const N: usize, const R: usiz
     /// How the surfaces move.
     surfaces: SurfaceMotions,
     /// The errors of the declared constants.
-    followed: FollowedErrors,
+    declared_errors: DeclaredErrors,
     /// Declared uncertainty by column, for a method that does not follow the errors.
     by_powers: Vec<ByPowers>,
     /// One sigma of the systematic part of the last estimate, by column.
@@ -199,7 +199,7 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> St
             lead: Lead::default(),
             watch: Watch::new(settings.maximum_step_s.max(3.5 * settings.sample_time_s)),
             surfaces: SurfaceMotions::new(file.uncertainty.surface_play),
-            followed: FollowedErrors::new(declared::<M, N, R>(file), file.uncertainty.learns),
+            declared_errors: DeclaredErrors::new(declared::<M, N, R>(file), file.uncertainty.learns),
             by_powers: prepared.by_powers(file).collect(),
             systematic_std: [0.0; P],
             learnt_shift: [0.0; P],
@@ -216,7 +216,7 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> St
 
     /// One sigma of the systematic part of a column.
     fn systematic(&self, column: usize, value: f64) -> f64 {
-        match self.followed.effects(column) {
+        match self.declared_errors.effects(column) {
             Some(effects) => effects.map(|effect| effect * effect).sum::<f64>().sqrt(),
             None => self.by_powers.get(column).map_or(0.0, |powers| powers.std(value)),
         }
@@ -224,8 +224,8 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> St
 
     /// A column with what is declared, for comparing it with itself at another time. `random_std`: its standard error without.
     fn column(&self, column: usize, value: f64, random_std: f64) -> Column {
-        match self.followed.effects(column) {
-            Some(effects) => Column::new(value + self.followed.shift(column), random_std, effects),
+        match self.declared_errors.effects(column) {
+            Some(effects) => Column::new(value + self.declared_errors.shift(column), random_std, effects),
             None => {
                 let effects = self.by_powers.get(column).into_iter().flat_map(|powers| powers.effects(value));
                 Column::new(value, random_std, effects.flatten())
@@ -332,12 +332,12 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> Ca
         self.watch.look(&estimate, sample.time_s, self.estimator.restarts(), events);
         if !self.waiting {
             let columns = self.columns();
-            self.followed.look(&*self.estimator, columns);
+            self.declared_errors.look(&*self.estimator, columns);
             for j in 0..columns {
-                let noise = self.followed.noise_std(j);
+                let noise = self.declared_errors.noise_std(j);
                 estimate.std_error[j] = estimate.std_error[j].hypot(noise);
                 estimate.corrected_std_error[j] = estimate.corrected_std_error[j].hypot(noise);
-                self.learnt_shift[j] = self.followed.shift(j);
+                self.learnt_shift[j] = self.declared_errors.shift(j);
             }
             let mut changes = std::mem::take(&mut self.changes);
             let now = estimate.parameters.iter().zip(&estimate.corrected_std_error).enumerate().take(columns);
@@ -413,7 +413,7 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> Ca
         }
         let mut covariance: Vec<Vec<f64>> = covariance[..columns].iter().map(|row| row[..columns].to_vec()).collect();
         if !self.waiting {
-            self.followed.widen(&*self.estimator, &mut covariance);
+            self.declared_errors.widen(&*self.estimator, &mut covariance);
         }
         covariance
     }
@@ -431,11 +431,11 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> Ca
     }
 
     fn learnt(&self) -> &[LearntConstant] {
-        self.followed.learnt()
+        self.declared_errors.learnt()
     }
 
     fn systematic_parts(&self, column: usize) -> Vec<SystematicPart> {
-        let Some(effects) = self.followed.effects(column) else {
+        let Some(effects) = self.declared_errors.effects(column) else {
             let value = self.shown.parameters[column];
             return self.by_powers.get(column).map_or_else(Vec::new, |powers| powers.shares(value));
         };

@@ -7,13 +7,13 @@ use crate::core::systematic::ROOM_FOR_CONSTANTS;
 
 /// The errors of the declared constants after a sample.
 #[derive(Debug)]
-pub(super) struct FollowedErrors {
+pub(super) struct DeclaredErrors {
     /// Declared standard uncertainty of each constant of the motion.
     declared: Vec<f64>,
     /// Whether what the flight says of them is used.
     learns: bool,
     /// By column in use.
-    columns: Vec<FollowedColumn>,
+    columns: Vec<ColumnErrors>,
     /// Constants that are learnt: place, value and standard uncertainty after the flight so far.
     learnt: Vec<LearntConstant>,
 }
@@ -30,7 +30,7 @@ pub(crate) struct LearntConstant {
 }
 
 #[derive(Clone, Copy, Debug, Default)]
-struct FollowedColumn {
+struct ColumnErrors {
     /// What one declared standard uncertainty of each constant does, estimate less truth; none where that is not followed, or is not a
     /// number.
     effects: Option<[f64; ROOM_FOR_CONSTANTS]>,
@@ -39,7 +39,7 @@ struct FollowedColumn {
     variance: f64,
 }
 
-impl FollowedErrors {
+impl DeclaredErrors {
     /// Of constants with these declared standard uncertainties.
     pub(super) fn new(declared: Vec<f64>, learns: bool) -> Self {
         Self { declared, learns, columns: Vec::new(), learnt: Vec::new() }
@@ -66,7 +66,7 @@ impl FollowedErrors {
         }
         self.columns.clear();
         for column in 0..columns {
-            let mut followed = FollowedColumn::default();
+            let mut followed = ColumnErrors::default();
             if let Some(errors) = estimator.error_by_constant(column) {
                 let own = learnt.as_ref().map(|learnt| (learnt, learnt.column(errors)));
                 let error = |constant: usize, error: f64| match &own {
