@@ -26,7 +26,7 @@ pub(crate) fn run(arguments: &arguments::Field) -> Result<(), Failure> {
         monitor: !arguments.no_monitor,
         likelihood: if arguments.gaussian { Likelihood::Gaussian } else { Likelihood::Robust },
         flow_angles: arguments.flow_angles.into(),
-        learning: !arguments.no_learning,
+        learning: arguments.learn,
     };
     let progress = Progress::new("estimating");
     let ready = AtomicUsize::new(0);

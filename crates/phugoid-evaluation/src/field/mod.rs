@@ -49,7 +49,7 @@ pub struct FieldOptions {
     pub likelihood: Likelihood,
     /// Where output error has the flow angles from.
     pub flow_angles: FlowAngles,
-    /// Whether SMPE and the joint filter use what a flight itself says of declared errors, where the model file leaves it to them.
+    /// Whether values and bounds of SMPE and the joint filter contain what a flight itself says of declared errors, whatever the model file says.
     pub learning: bool,
 }
 
@@ -134,7 +134,7 @@ fn flights(folder: &Path, options: &FieldOptions) -> Result<Vec<Flight>, FieldEr
     }
     let mut flights: Vec<Flight> = truths.into_iter().map(open).collect::<Result<_, _>>()?;
     for flight in &mut flights {
-        flight.model.uncertainty.learns &= options.learning;
+        flight.model.uncertainty.learns |= options.learning;
     }
     Ok(flights)
 }

@@ -331,7 +331,8 @@ pub struct Estimation {
     pub method: Method,
     /// Results of the parameters in the order of the model file, offsets and sensor biases last.
     pub parameters: Vec<ParameterResult>,
-    /// What the flight itself says of declared quantities; empty where nothing is declared, or the flight does not tell.
+    /// What the flight itself says of declared quantities; empty where nothing is declared, or the flight does not tell. Values and bounds
+    /// contain it where the model file says `learn = true` ([`ParameterResult::learnt_shift`]).
     #[serde(default)]
     pub learnt: Vec<LearntQuantity>,
     /// Correlation matrix of the errors, row and column as in `parameters`; 0 for a fixed parameter off the diagonal.

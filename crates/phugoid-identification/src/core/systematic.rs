@@ -212,7 +212,7 @@ pub struct SystematicPart {
     pub effect: f64,
 }
 
-/// What the flight itself says of a declared quantity. It is in the values and in their bounds.
+/// What the flight itself says of a declared quantity.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LearntQuantity {
     /// The quantity.

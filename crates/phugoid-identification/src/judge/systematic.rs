@@ -3,17 +3,18 @@
 use crate::core::estimation::{FinalStatus, ParameterResult, UncertainQuantity};
 use crate::core::systematic::LearntQuantity;
 
-/// What the flight itself says of declared errors; `None` where it does not tell.
-pub(crate) fn learnt(quantities: &[LearntQuantity]) -> Option<String> {
+/// What the flight itself says of declared errors, and whether it is used; `None` where it does not tell.
+pub(crate) fn learnt(quantities: &[LearntQuantity], is_used: bool) -> Option<String> {
     if quantities.is_empty() {
         return None;
     }
     let all: Vec<String> = quantities.iter().map(LearntQuantity::in_words).collect();
-    Some(format!(
-        "Of these errors the flight itself tells some, and values and bounds contain what it says (learn = false under [uncertainty] \
-         leaves it out): {}.",
-        all.join(", ")
-    ))
+    let used = if is_used {
+        "values and bounds contain that"
+    } else {
+        "values and bounds do not contain that (learn = true under [uncertainty] takes it in)"
+    };
+    Some(format!("Of these errors the flight itself tells some, +- 2 sigma: {}; {used}.", all.join(", ")))
 }
 
 /// Names the parameters whose systematic part is larger than the random one, and the quantity that has the largest

@@ -61,7 +61,7 @@ pub(crate) fn verdict<M: Motion<N, R>, const N: usize, const R: usize>(
     }
     if run.excited {
         sentences.push(task.file.uncertainty.sentence(run.follows_constants));
-        sentences.extend(systematic::learnt(&run.learnt));
+        sentences.extend(systematic::learnt(&run.learnt, task.file.uncertainty.learns));
         sentences.extend(run.said_of_base.clone().or_else(|| task.file.not_in_bounds_of_base()));
         sentences.extend(systematic::sentence(parameters));
     }

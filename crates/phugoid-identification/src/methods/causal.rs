@@ -106,7 +106,7 @@ pub(super) fn run_causal<M: Motion<N, R>, const N: usize, const R: usize>(
         value: one.value,
         std_error: one.std_error,
     };
-    run.learnt = stepper.learnt().iter().map(of_constant).collect();
+    run.learnt = stepper.told().iter().map(of_constant).collect();
     let (last, sensitivity) = (stepper.shown(), stepper.change_sensitivity());
     for (j, column) in run.columns.iter_mut().enumerate() {
         column.value = last.parameters[j];

@@ -10,12 +10,10 @@ use crate::core::systematic::ROOM_FOR_CONSTANTS;
 pub(super) struct DeclaredErrors {
     /// Declared standard uncertainty of each constant of the motion.
     declared: Vec<f64>,
-    /// Whether what the flight says of them is used.
+    /// Whether values and bounds contain what the flight says of them.
     learns: bool,
     /// By column in use.
     columns: Vec<ColumnErrors>,
-    /// Constants that are learnt: place, value and standard uncertainty after the flight so far.
-    learnt: Vec<LearntConstant>,
 }
 
 /// A constant of which the flight itself says what it is.
@@ -42,15 +40,32 @@ struct ColumnErrors {
 impl DeclaredErrors {
     /// Of constants with these declared standard uncertainties.
     pub(super) fn new(declared: Vec<f64>, learns: bool) -> Self {
-        Self { declared, learns, columns: Vec::new(), learnt: Vec::new() }
+        Self { declared, learns, columns: Vec::new() }
     }
 
-    fn of<'a, E, const R: usize, const P: usize>(&self, estimator: &'a E) -> Option<Learnt<'a>>
+    /// What the flight says so far, whether it is used or not.
+    fn said<'a, E, const R: usize, const P: usize>(&self, estimator: &'a E) -> Option<Learnt<'a>>
     where
         E: Inspect<R, P> + ?Sized,
     {
-        let evidence = estimator.evidence().filter(|_| self.learns)?;
-        evidence.learn(&self.declared, &LearningRule::default())
+        estimator.evidence()?.learn(&self.declared, &LearningRule::default())
+    }
+
+    /// What is used of it.
+    fn used<'a, E, const R: usize, const P: usize>(&self, estimator: &'a E) -> Option<Learnt<'a>>
+    where
+        E: Inspect<R, P> + ?Sized,
+    {
+        if self.learns { self.said(estimator) } else { None }
+    }
+
+    /// The constants of which the flight says what they are, whether that is used or not.
+    pub(super) fn told<E, const R: usize, const P: usize>(&self, estimator: &E) -> Vec<LearntConstant>
+    where
+        E: Inspect<R, P> + ?Sized,
+    {
+        let of = |(constant, value, std_error)| LearntConstant { constant, value, std_error };
+        self.said(estimator).map_or_else(Vec::new, |said| said.constants().map(of).collect())
     }
 
     /// Looks at the estimator after a sample, with so many columns in use.
@@ -58,12 +73,7 @@ impl DeclaredErrors {
     where
         E: Inspect<R, P> + ?Sized,
     {
-        let learnt = self.of(estimator);
-        self.learnt.clear();
-        if let Some(learnt) = &learnt {
-            let told = learnt.constants();
-            self.learnt.extend(told.map(|(constant, value, std_error)| LearntConstant { constant, value, std_error }));
-        }
+        let learnt = self.used(estimator);
         self.columns.clear();
         for column in 0..columns {
             let mut followed = ColumnErrors::default();
@@ -105,17 +115,12 @@ impl DeclaredErrors {
         self.columns.get(column).map_or(0.0, |column| column.variance.max(0.0).sqrt())
     }
 
-    /// The constants that are learnt.
-    pub(super) fn learnt(&self) -> &[LearntConstant] {
-        &self.learnt
-    }
-
     /// Adds what is learnt to the covariance of the columns in use.
     pub(super) fn widen<E, const R: usize, const P: usize>(&self, estimator: &E, covariance: &mut [Vec<f64>])
     where
         E: Inspect<R, P> + ?Sized,
     {
-        let Some(learnt) = self.of(estimator) else { return };
+        let Some(learnt) = self.used(estimator) else { return };
         let columns: Vec<_> = (0..covariance.len())
             .map(|column| estimator.error_by_constant(column).map(|errors| learnt.column(errors)))
             .collect();

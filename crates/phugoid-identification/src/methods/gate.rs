@@ -40,14 +40,12 @@ pub(crate) struct Gated<M> {
     groups: Vec<Group>,
     /// Whether errors of constants are followed: the model file declares some.
     considers: bool,
-    /// Whether what the flight says of them is used.
-    learns: bool,
 }
 
 impl<M> Gated<M> {
     pub(super) fn new(model: M, file: &ModelFile) -> Self {
         let groups = terms(file).0.iter().map(|(coefficient, _)| coefficient.group()).collect();
-        Self { model, groups, considers: file.uncertainty.follows(), learns: file.uncertainty.learns }
+        Self { model, groups, considers: file.uncertainty.follows() }
     }
 
     /// Columns of the groups on which nothing has moved. A motion of one group alone does not reach this: it waits as a
@@ -132,7 +130,7 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> Mo
     }
 
     fn learnable_constants(&self) -> &[usize] {
-        if self.considers && self.learns { M::LEARNABLE } else { &[] }
+        if self.considers { M::LEARNABLE } else { &[] }
     }
 
     fn constant_effects<const K: usize>(

@@ -78,7 +78,7 @@ pub(crate) trait CausalRun<I, const R: usize>: Send {
     fn is_provisional(&self) -> bool;
 
     /// The declared constants of which the flight itself says what they are.
-    fn learnt(&self) -> &[LearntConstant];
+    fn told(&self) -> Vec<LearntConstant>;
 
     /// The declared quantities that make the systematic part of a column, the largest share first.
     fn systematic_parts(&self, column: usize) -> Vec<SystematicPart>;
@@ -430,8 +430,8 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> Ca
         self.replay.as_ref().is_some_and(|replay| !replay.is_done())
     }
 
-    fn learnt(&self) -> &[LearntConstant] {
-        self.declared_errors.learnt()
+    fn told(&self) -> Vec<LearntConstant> {
+        self.declared_errors.told(&*self.estimator)
     }
 
     fn systematic_parts(&self, column: usize) -> Vec<SystematicPart> {

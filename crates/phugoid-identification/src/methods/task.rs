@@ -55,7 +55,7 @@ pub(crate) struct Run<const R: usize> {
     pub(crate) said_of_base: Option<String>,
     /// True if errors of the declared constants were followed, false if they are carried by the powers of the scales.
     pub(crate) follows_constants: bool,
-    /// The declared constants of which the flight itself says what they are.
+    /// The declared constants of which the flight itself says what they are, whether that is used or not.
     pub(crate) learnt: Vec<LearntQuantity>,
 }
 

@@ -58,7 +58,8 @@ pub struct Uncertainty {
     pub by_default: bool,
     /// How the errors are carried into those of the parameters.
     pub propagation: Propagation,
-    /// Whether SMPE and the joint filter take what the flight itself says of lags, times and play into account.
+    /// Whether values and bounds of SMPE and the joint filter contain what the flight itself says of lags, times and play; it is told in
+    /// any case.
     pub learns: bool,
 }
 
@@ -125,7 +126,7 @@ impl Uncertainty {
         base: BaseUncertainty::None,
         by_default: false,
         propagation: Propagation::Recursion,
-        learns: true,
+        learns: false,
     };
 
     /// Of an aircraft that was prepared for a flight test: airspeed 1.5 % (14 CFR 25.1323 allows an installation error
