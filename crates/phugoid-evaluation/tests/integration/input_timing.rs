@@ -42,7 +42,7 @@ fn decide(record: &Record, file: &ModelFile, lateral: bool) -> Option<(Found, bo
 }
 
 /// The record with its surfaces stamped so much later, s.
-fn stamped_late(record: &Record, by_s: f64) -> Record {
+pub(crate) fn stamped_late(record: &Record, by_s: f64) -> Record {
     let mut late = record.clone();
     for channel in late.channels.iter_mut().filter(|c| SURFACES.contains(&c.name.as_str())) {
         let of = channel.values.clone();

@@ -26,3 +26,4 @@ mod second_aircraft;
 mod second_answer;
 mod smoothed_states;
 mod stack;
+mod told_by_flight;

@@ -507,7 +507,13 @@ mod tests {
         assert!(with("[uncertainty]\nclass = \"glider\"").is_err() && with("[uncertainty]\nmass = 2").is_err());
         let own = with("[uncertainty]\nflow_angle_lag = \"25 ms\"\ncentre_of_gravity = \"1 %\"").unwrap();
         assert_eq!(own, Uncertainty { flow_angle_lag: 0.025, centre_of_gravity: 0.01, ..Uncertainty::NONE });
-        assert!(own.follows());
+        assert!(own.follows() && !own.learns);
+        let learning = with("[uncertainty]\nclass = \"unmanned\"\nlearn = true\nsurface_play = \"0.2 deg\"").unwrap();
+        let surface_play = 0.2_f64.to_radians();
+        assert_eq!(learning, Uncertainty { learns: true, surface_play, ..Uncertainty::UNMANNED });
+        assert!(with("[uncertainty]\nlearn = 1").is_err());
+        let message = with("[uncertainty]\nacceleration_position = \"20 m\"").unwrap_err().to_string();
+        assert!(message.contains("acceleration_position") && message.contains("a length, 0 to 10 m"), "{message}");
         let none = with("[uncertainty]\nclass = \"none\"\npropagation = \"recursion\"").unwrap();
         assert_eq!(none, Uncertainty::NONE);
         assert!(!none.follows());
