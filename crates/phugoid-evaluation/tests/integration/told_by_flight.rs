@@ -38,7 +38,11 @@ fn a_late_elevator_is_told_and_taken_in() {
     let (told, learnt, healthy) = (run(&late, false), run(&late, true), run(&record, false));
     assert_eq!(timing(&told), timing(&learnt));
     let found = timing(&told).value - timing(&healthy).value;
-    println!("put in {LATE_S}, found {found:.4}, healthy {:.4} +- {:.4} s", timing(&healthy).value, timing(&healthy).std_error);
+    println!(
+        "put in {LATE_S}, found {found:.4}, healthy {:.4} +- {:.4} s",
+        timing(&healthy).value,
+        timing(&healthy).std_error
+    );
     assert!((found - LATE_S).abs() < NEAR_S && timing(&told).std_error < 0.4 * 0.01, "{found}");
     assert!(timing(&healthy).value.abs() < 2.0 * timing(&healthy).std_error);
     assert_eq!(timing(&told).of, "elevator");
@@ -57,6 +61,7 @@ fn a_late_elevator_is_told_and_taken_in() {
     assert!(with.corrected_std_error < 0.75 * without.corrected_std_error && (with.lower..with.upper).contains(&is));
     assert!(without.learnt_shift == 0.0 && ((with.value - with.learnt_shift) / without.value - 1.0).abs() < 1e-12);
     assert_eq!(told.history.residuals, learnt.history.residuals);
-    let says = |estimation: &Estimation, words: &str| estimation.verdict.iter().any(|sentence| sentence.contains(words));
+    let says =
+        |estimation: &Estimation, words: &str| estimation.verdict.iter().any(|sentence| sentence.contains(words));
     assert!(says(&told, "do not contain that (learn = true") && says(&learnt, "values and bounds contain that"));
 }

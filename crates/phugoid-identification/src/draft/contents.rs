@@ -34,7 +34,7 @@ pub(super) struct Contents<'a> {
 impl<'a> Contents<'a> {
     /// `commanded` are the surfaces whose positions were made of their commands.
     pub(super) fn of(record: &'a Record, commanded: &[&'static Surface]) -> Self {
-        let commanded = commanded.iter().map(|surface| surface.name).collect();
+        let commanded = commanded.iter().map(|surface| surface.channels.name).collect();
         let mut contents = Self { record, commanded, density: None };
         let (speed, pressure) = (contents.middle("true_airspeed"), contents.middle("dynamic_pressure"));
         let (statics, temperature) = (contents.middle("static_pressure"), contents.middle("temperature"));
@@ -104,7 +104,7 @@ impl<'a> Contents<'a> {
 
     /// The header by which a mapping finds the command of a surface.
     pub(super) fn header_of_command(&self, surface: &'a Surface) -> &str {
-        surface.header(self.record)
+        surface.channels.header(self.record)
     }
 
     /// The airspeed in the place of a true one.

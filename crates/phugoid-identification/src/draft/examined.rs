@@ -167,7 +167,7 @@ pub(super) fn said_twice(contents: &Contents<'_>, answers: &Answers, axes: Draft
         }
     }
     for surface in SURFACES.iter().filter(|surface| surface.travel(answers).is_some()) {
-        let (name, command) = (surface.name, surface.command);
+        let (name, command) = (surface.channels.name, surface.channels.command);
         if contents.is_recorded(name) {
             sentences.push(format!("the travel of the {name} that was said is not used: the record has its position"));
         } else if !contents.has(command) {

@@ -22,7 +22,7 @@
 
 mod answers;
 mod class;
-pub(crate) mod command;
+mod command;
 mod contents;
 mod examined;
 mod text;
@@ -89,7 +89,8 @@ pub fn check(record: &Record, answers: &Answers) -> Result<(), DraftError> {
     let contents = Contents::of(&completed, &commanded);
     // A surface of which the travel is asked is not missing, and neither are the axes known before it is.
     if !command::questions(record, answers).is_empty() {
-        let others = |missing: &String| !command::SURFACES.iter().any(|surface| missing.contains(surface.name));
+        let others =
+            |missing: &String| !command::SURFACES.iter().any(|surface| missing.contains(surface.channels.name));
         let axes = command::presumed_axes(record, answers);
         let missing: Vec<String> = contents.lacks(axes).into_iter().filter(others).collect();
         return lacking(record, missing, axes);

@@ -421,10 +421,10 @@ impl<'a> Writer<'a> {
         for surface in self.commanded {
             let degrees = digits(surface.travel(self.answers).unwrap_or(f64::NAN).to_degrees());
             let header = toml::Value::String(self.contents.header_of_command(surface).to_owned()).to_string();
-            self.put(surface.name, &format!("{{ header = {header}, scale = {degrees}, unit = \"deg\" }}"), "");
+            self.put(surface.channels.name, &format!("{{ header = {header}, scale = {degrees}, unit = \"deg\" }}"), "");
             self.assume(format!(
                 "the {} stands at its command times {degrees} deg: the lag and the play of its servo are in no bound",
-                surface.name
+                surface.channels.name
             ));
         }
     }

@@ -171,6 +171,7 @@ mod tests {
             manoeuvres: vec![("the record".to_owned(), fits)],
             equations: Vec::new(),
             band: None,
+            measured_angles: false,
             prediction: None,
             notes: Vec::new(),
         }

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use phugoid_flight_data::record::Record;
 
 use crate::core::axes::Axes;
-use crate::draft::command;
+use crate::preparation::commanded;
 use crate::preparation::noise::measure_noise;
 
 /// Highest rate of the samples that regressions take, Hz: well above the modes that they are about.
@@ -88,7 +88,7 @@ impl<'a> Signals<'a> {
     /// What the record lacks for any estimation at all, one sentence each.
     pub(crate) fn missing(&self) -> Vec<String> {
         let mut reasons = Vec::new();
-        let commands = command::alone(self.record);
+        let commands = commanded::alone(self.record);
         if !self.has_surface() && !commands.is_empty() {
             reasons.push(with_travel(&commands));
         } else if !self.has_surface() {

@@ -58,7 +58,7 @@ pub(super) fn run_batch<M: MotionModel<N, R, CAPACITY>, const N: usize, const R:
         .collect();
     let structure = structure::<M, N, R>(task)?;
     let regression = EquationErrorSettings::automatic(sample_time(&prepared.time));
-    let Solved { mut fit, equations, second_answer, no_second_answer, structure } =
+    let Solved { mut fit, equations, second_answer, no_second_answer, structure, measured_angles } =
         solve::<M, N, R>(task, &manoeuvres, structure, &regression)?;
     let systematic = match task.follows_constants() {
         true => systematic::<M, N, R>(task, &manoeuvres, &structure, &regression, &fit),
@@ -102,7 +102,7 @@ pub(super) fn run_batch<M: MotionModel<N, R, CAPACITY>, const N: usize, const R:
         noise: None,
         excited: true,
         health: None,
-        batch: Some(report(&fit, equations, prediction)),
+        batch: Some(report(&fit, measured_angles, equations, prediction)),
         second_answer,
         no_second_answer,
         disputed: None,
@@ -185,6 +185,8 @@ struct Solved<const N: usize, const R: usize> {
     fit: BatchFit,
     /// What was unknown in the end.
     structure: Structure<N, R>,
+    /// Whether flow angles were taken as measured.
+    measured_angles: bool,
     /// Of equation error.
     equations: Vec<Equation>,
     /// By equation error, of the other methods.
@@ -226,6 +228,7 @@ fn solve<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
         return Ok(Solved {
             fit: found.fit,
             structure,
+            measured_angles: false,
             equations: found.equations,
             second_answer: None,
             no_second_answer: None,
@@ -273,25 +276,22 @@ fn solve<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
             },
         }
     };
-    let (fit, structure) = match method {
+    let (fit, structure, measured_angles) = match method {
         Method::OutputError => with_flow_angles::<M, N, R>(task, manoeuvres, structure, searched)?,
-        _ => (searched(&structure)?, structure),
+        _ => (searched(&structure)?, structure, false),
     };
-    Ok(Solved { fit, structure, equations: Vec::new(), second_answer, no_second_answer })
+    Ok(Solved { fit, structure, measured_angles, equations: Vec::new(), second_answer, no_second_answer })
 }
 
-/// What a note says of flow angles that were not simulated.
-pub(crate) const TAKEN_AS_MEASURED: &str = "taken as measured";
-
-/// Output error with the flow angles that the options ask for, and what was unknown with them; `searched` finds its minimum
+/// Output error with the flow angles that the options ask for, what was unknown with them, and whether they were taken as measured; `searched` finds its minimum
 /// from all starts. Costs with simulated and with measured angles are of different outputs and are not compared.
 fn with_flow_angles<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
     task: &Task<M, N, R>,
     manoeuvres: &[Manoeuvre<'_, N, R>],
     structure: Structure<N, R>,
     searched: impl Fn(&Structure<N, R>) -> Result<BatchFit, BatchError>,
-) -> Result<(BatchFit, Structure<N, R>), BatchError> {
-    let simulated = || Ok((searched(&structure)?, structure.clone()));
+) -> Result<(BatchFit, Structure<N, R>, bool), BatchError> {
+    let simulated = || Ok((searched(&structure)?, structure.clone(), false));
     let angles = measured_flow_angles::<M, N, R>(manoeuvres);
     let names: Vec<&str> = angles.iter().map(|&row| M::AXES.outputs()[row].name()).collect();
     let measured = |note: &str| {
@@ -304,7 +304,7 @@ fn with_flow_angles<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usi
         for &row in &angles {
             fit.noise_std[row] = task.noise[row].std;
         }
-        Ok((noted(fit, &format!("{} {TAKEN_AS_MEASURED}, and not fitted{note}", names.join(" and "))), following))
+        Ok((noted(fit, &format!("{} taken as measured, and not fitted{note}", names.join(" and "))), following, true))
     };
     // The residuals of the simulated angles over the noise of their vanes, the largest of them.
     let above = |fit: &BatchFit| {
@@ -322,13 +322,13 @@ fn with_flow_angles<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usi
         // halves those of lift and drag there, and its noise bends the small derivatives: Cm_q is then worse than simulated.
         FlowAngles::Auto if M::AXES == Axes::LateralDirectional => {
             let fit = simulated();
-            match fit.as_ref().ok().map(|(fit, _)| above(fit)) {
+            match fit.as_ref().ok().map(|(fit, ..)| above(fit)) {
                 Some(above) if above <= CALM => fit,
                 Some(above) => measured(&format!(": {}", gusts(above))).or(fit),
                 None => measured(": a simulation of them found no minimum").or(fit),
             }
         }
-        FlowAngles::Auto | FlowAngles::Simulated => simulated().map(|(fit, structure)| match above(&fit) {
+        FlowAngles::Auto | FlowAngles::Simulated => simulated().map(|(fit, structure, measured)| match above(&fit) {
             above if above > CALM => {
                 let said = format!(
                     "{} simulated: {}. Output error has no gusts in it, so that its errors and bounds are often several times those \
@@ -336,9 +336,9 @@ fn with_flow_angles<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usi
                     names.join(" and "),
                     gusts(above)
                 );
-                (noted(fit, &said), structure)
+                (noted(fit, &said), structure, measured)
             }
-            _ => (fit, structure),
+            _ => (fit, structure, measured),
         }),
         FlowAngles::Measured => measured(""),
     }
@@ -550,7 +550,12 @@ fn excited<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(task:
     })
 }
 
-fn report(fit: &BatchFit, equations: Vec<Equation>, prediction: Option<Prediction>) -> BatchReport {
+fn report(
+    fit: &BatchFit,
+    measured_angles: bool,
+    equations: Vec<Equation>,
+    prediction: Option<Prediction>,
+) -> BatchReport {
     let is_additional = |kind: UnknownKind| !matches!(kind, UnknownKind::Parameter { .. } | UnknownKind::Bias { .. });
     BatchReport {
         iterations: fit.iterations.len().saturating_sub(1),
@@ -560,6 +565,7 @@ fn report(fit: &BatchFit, equations: Vec<Equation>, prediction: Option<Predictio
         manoeuvres: fit.manoeuvres.iter().map(|m| (m.name.clone(), m.outputs.clone())).collect(),
         equations,
         band: fit.band.clone(),
+        measured_angles,
         prediction,
         notes: fit.notes.clone(),
     }

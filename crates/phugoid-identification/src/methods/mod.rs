@@ -22,7 +22,7 @@ mod task;
 mod watch;
 
 use crate::core::error::EstimateError;
-pub(crate) use batch::{TAKEN_AS_MEASURED, manoeuvre as whole_record};
+pub(crate) use batch::manoeuvre as whole_record;
 use causal::run_causal;
 pub(crate) use health_watch::HealthRun;
 pub(crate) use predict::predict;

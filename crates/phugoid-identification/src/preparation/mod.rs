@@ -2,6 +2,7 @@
 //! moved.
 
 pub(crate) mod checks;
+pub(crate) mod commanded;
 pub(crate) mod database_part;
 pub(crate) mod excitation;
 pub mod front_end;

@@ -25,7 +25,7 @@ use crate::core::options::{EstimateOptions, FlowAngles, KnownChange, StructureSe
 use crate::core::stack::on_large_stacks;
 use crate::core::systematic::{ByQuantity, UncertainQuantity};
 use crate::core::term::Coefficient;
-use crate::methods::{EveryRoom, Run, Snapshot, TAKEN_AS_MEASURED, Task, run_alone};
+use crate::methods::{EveryRoom, Run, Snapshot, Task, run_alone};
 use crate::model_file::{BaseUncertainty, KnownAircraft, ModelFile, ReferenceValue, Uncertainty};
 use crate::models::database::Database;
 use crate::preparation::prepare::prepare;
@@ -201,8 +201,7 @@ fn options<M: EveryRoom<N, R>, const N: usize, const R: usize>(task: &Task<M, N,
     }
     known_changes.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
     // Where the flow angles come from is not to depend on what is moved.
-    let notes = run.batch.iter().flat_map(|report| &report.notes);
-    let measured = notes.into_iter().any(|note| note.contains(TAKEN_AS_MEASURED));
+    let measured = run.batch.as_ref().is_some_and(|report| report.measured_angles);
     EstimateOptions {
         method: Some(task.method()),
         change_detection: Some(false),
