@@ -98,6 +98,11 @@ impl<const R: usize, const P: usize> Model<4, R, P> for Synthetic<P> {
         12
     }
 
+    /// The lags.
+    fn learnable_constants(&self) -> &[usize] {
+        &[4, 5, 6, 7]
+    }
+
     /// Scale and lag of each measured state, and a factor on each rate.
     fn constant_effects<const K: usize>(
         &self,
