@@ -60,7 +60,7 @@ pub(crate) struct Field {
     /// is named
     #[arg(long, value_name = "N", default_value_t = 0, requires = "drawn_errors")]
     pub(crate) ranked: u32,
-    /// Take in what a flight itself says of declared errors, as `learn = true` under [uncertainty] of a model file does
+    /// Take in what a flight itself says of declared errors, as `learn = true` under `[uncertainty]` of a model file does
     #[arg(long)]
     pub(crate) learn: bool,
     /// Leave out the health monitor
