@@ -144,7 +144,7 @@ pub struct LearningRule {
 }
 
 impl Default for LearningRule {
-    /// 0.4, and 4: on 107 flights of another simulator in which nothing was wrong, what was learnt of four constants lay 1 to 2.3 of
+    /// 0.4, and 4: on 107 flights of another simulator in which nothing was wrong, what was learnt of four constants lay 0.9 to 2.3 of
     /// its standard errors (root mean square) off, because models lack terms. And 3.
     fn default() -> Self {
         Self { most_left: 0.4, misfit: 4.0, colour: true, farthest: 3.0 }

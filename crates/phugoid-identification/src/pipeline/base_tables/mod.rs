@@ -88,10 +88,11 @@ pub(super) fn carry<M: EveryRoom<N, R>, const N: usize, const R: usize>(
         left_out.extend(moved.drain(MOST_ELEMENTS..).map(|element| element.name));
     }
     let (options, as_written) = (options(task, run), as_written(task));
-    // Without a search for changes the run that there is is the one to compare with.
+    // Without a search for changes the run that there is is the one to compare with, unless what it says of changes has what the
+    // flight tells of declared errors in it, which those with moved tables do not have.
     let method = task.method();
     let looks = task.options.change_detection.unwrap_or(task.file.change_detection);
-    let is_again = looks && !method.is_batch();
+    let is_again = (looks || task.file.uncertainty.learns) && !method.is_batch();
     let jobs = moved.len() + usize::from(is_again);
     let (noise, model_error) = (task.noise, task.model_error);
     let again = |job: usize| -> Result<Found, EstimateError> {
