@@ -183,8 +183,8 @@ pub struct LearntColumn {
 }
 
 impl<'a> Evidence<'a> {
-    /// Decides which constants are learnt. `std`: declared standard uncertainty of every constant; one of zero is exact. `None` where none is
-    /// learnt.
+    /// Decides which constants are learnt. `std`: declared standard uncertainty of every constant; one that is not
+    /// above zero, or no number, is exact. `None` where none is learnt.
     pub fn learn(&self, std: &[f64], rule: &LearningRule) -> Option<Learnt<'a>> {
         let declared = |row: usize| self.constants.get(row).and_then(|constant| std.get(*constant)).copied();
         let mut rows = [0; MOST_LEARNT];
@@ -257,7 +257,8 @@ impl<'a> Evidence<'a> {
 }
 
 impl Learnt<'_> {
-    /// What is learnt: the constant by its place among all, its value and its standard uncertainty after the flight.
+    /// What is learnt: the constant by its place among all, its value and its standard uncertainty after the flight, both in the unit and with
+    /// the sign that the constant has in [`Model::constant_effects`](crate::Model::constant_effects).
     pub fn constants(&self) -> impl Iterator<Item = (usize, f64, f64)> + '_ {
         (0..self.count).filter_map(|i| {
             let constant = *self.evidence.constants.get(self.rows[i])?;
@@ -265,7 +266,8 @@ impl Learnt<'_> {
         })
     }
 
-    /// Of a column with these errors (`true - estimated`) per unit of each constant.
+    /// Of a column with these errors (`true - estimated`) per unit of each constant, parameter units. Errors that are not there count as zero;
+    /// one that is no number makes the result none.
     pub fn column(&self, errors: &[f64]) -> LearntColumn {
         let mut own = [0.0; MOST_LEARNT];
         for (own, (constant, ..)) in own.iter_mut().zip(self.constants()) {
