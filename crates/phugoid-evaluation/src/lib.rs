@@ -14,6 +14,7 @@ pub mod health;
 pub mod ledger;
 pub mod monte_carlo;
 pub mod published;
+pub mod put_in;
 pub mod settling;
 pub mod statistics;
 pub mod table;

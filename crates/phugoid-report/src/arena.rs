@@ -1,6 +1,6 @@
 //! Figures of a comparison of methods: one row for each scenario, one column for each method.
 
-use phugoid_evaluation::arena::{Arena, Checkpoint, EntryResult, MethodResult, Unit};
+use phugoid_evaluation::arena::{Arena, Checkpoint, Coverage, EntryResult, MethodResult, Unit};
 
 use crate::figure::{Axis, Body, Cell, Figure, Grid, Panel};
 use crate::ticks::compact;
@@ -9,13 +9,17 @@ use crate::ticks::compact;
 const BAD_RATIO: f64 = 5.0;
 
 /// The figures of a comparison, each with a name that can serve as file name: error over the bound after the last
-/// checkpoint (`error`), coverage after each checkpoint (`coverage-0`, ...), time until all parameters are within 5 %
+/// checkpoint (`error`), coverage after each checkpoint (`coverage-0`, ...), if errors were put in that model files declare the coverage
+/// after the last one by model files that declare nothing (`coverage-undeclared`), time until all parameters are within 5 %
 /// (`settled`), and, if there was damage, the changes found (`changes`).
 pub fn arena_figures(arena: &Arena) -> Vec<(String, Figure)> {
     let mut figures = vec![("error".to_owned(), error(arena))];
     let checkpoints = arena.entries.iter().flat_map(|e| &e.methods).map(|m| m.checkpoints.len()).max().unwrap_or(0);
     for k in 0..checkpoints {
         figures.push((format!("coverage-{k}"), coverage(arena, k)));
+    }
+    if arena.entries.iter().any(|e| e.silent) {
+        figures.push(("coverage-undeclared".to_owned(), undeclared(arena, checkpoints.max(1) - 1)));
     }
     figures.push(("settled".to_owned(), settled(arena)));
     if arena.entries.iter().any(|e| e.damaged) {
@@ -99,17 +103,32 @@ fn coverage(arena: &Arena, checkpoint: usize) -> Figure {
     let caption = "Parameters within two claimed standard errors of the truth; 95 is what they promise. Blue: 90 to 99 %, or not \
                    significantly outside of it. Orange: bounds that are too narrow. Plain: wider than they need be.";
     figure(arena, title, caption, &all(arena), |_, method| {
-        let Some(c) = method.checkpoints.get(checkpoint).and_then(|c: &Checkpoint| c.coverage) else {
-            let silent = if method.without_bounds > 0 { absent("no bounds") } else { absent("–") };
-            return failed(method).unwrap_or(silent);
-        };
-        let tone = match c.fraction {
-            _ if c.interval[1] < 0.9 => -(0.15 + (0.9 - c.fraction) / 0.5).min(1.0),
-            fraction if fraction > 0.99 && c.interval[0] > 0.99 => 0.0,
-            _ => 0.35,
-        };
-        Cell { words: format!("{:.0}", 100.0 * c.fraction), tone, strong: false }
+        covered(method, method.checkpoints.get(checkpoint).and_then(|c: &Checkpoint| c.coverage))
     })
+}
+
+fn undeclared(arena: &Arena, checkpoint: usize) -> Figure {
+    let title = format!("Coverage (%) where [uncertainty] declares nothing, after {}", cycles(arena, checkpoint));
+    let caption = "The same flights, with errors that leave no trace in residuals, and the same estimates: bounds of noise alone. What \
+                   the bounds hold with these errors declared is in the figures before.";
+    let silent: Vec<&EntryResult> = arena.entries.iter().filter(|e| e.silent).collect();
+    figure(arena, title, caption, &silent, |_, method| {
+        covered(method, method.checkpoints.get(checkpoint).and_then(|c: &Checkpoint| c.undeclared_coverage))
+    })
+}
+
+/// The cell of a coverage.
+fn covered(method: &MethodResult, coverage: Option<Coverage>) -> Cell {
+    let Some(c) = coverage else {
+        let silent = if method.without_bounds > 0 { absent("no bounds") } else { absent("–") };
+        return failed(method).unwrap_or(silent);
+    };
+    let tone = match c.fraction {
+        _ if c.interval[1] < 0.9 => -(0.15 + (0.9 - c.fraction) / 0.5).min(1.0),
+        fraction if fraction > 0.99 && c.interval[0] > 0.99 => 0.0,
+        _ => 0.35,
+    };
+    Cell { words: format!("{:.0}", 100.0 * c.fraction), tone, strong: false }
 }
 
 fn settled(arena: &Arena) -> Figure {

@@ -15,14 +15,15 @@ use super::keeping::Keeping;
     "  phugoid compare                                    all scenarios; writes phugoid-comparison/
   phugoid compare --quick                            four flights each, for a first look
   phugoid compare calm everything --seeds 100        two scenarios, smaller statistical errors
+  phugoid compare silent --methods smpe,ekf          what declared errors do to the bounds
   phugoid compare my.toml --model jet.toml --methods smpe,ekf
   phugoid compare --list                             names of the scenarios and methods
 
 A method that fails on a flight is reported as a result: the exit code stays 0."
 ))]
 pub(crate) struct Compare {
-    /// Scenarios: names of built-in entries of the arena, files in the same format, or scenario files of your own
-    /// together with --model [default: the whole arena]
+    /// Scenarios: names of built-in entries of the arena, "silent" for all whose errors leave no trace in residuals, files in the same
+    /// format, or scenario files of your own together with --model [default: the whole arena]
     #[arg(value_name = "ENTRY|FILE.toml", conflicts_with = "list")]
     pub(crate) scenarios: Vec<String>,
     /// Model that the methods use in scenarios that name no model: a model file, or the name of a built-in one

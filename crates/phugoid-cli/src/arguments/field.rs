@@ -60,6 +60,10 @@ pub(crate) struct Field {
     /// is named
     #[arg(long, value_name = "N", default_value_t = 0, requires = "drawn_errors")]
     pub(crate) ranked: u32,
+    /// Put all errors that the model files declare (`[uncertainty]`) into every flight, drawn from this seed: what is found of damage,
+    /// and what is called converged, with errors that leave no trace in residuals
+    #[arg(long, value_name = "SEED", conflicts_with_all = ["structure_study", "drawn_errors"])]
+    pub(crate) with_drawn: Option<u64>,
     /// Take in what a flight itself says of declared errors, as `learn = true` under `[uncertainty]` of a model file does
     #[arg(long)]
     pub(crate) learn: bool,

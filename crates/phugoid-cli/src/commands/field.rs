@@ -27,6 +27,7 @@ pub(crate) fn run(arguments: &arguments::Field) -> Result<(), Failure> {
         likelihood: if arguments.gaussian { Likelihood::Gaussian } else { Likelihood::Robust },
         flow_angles: arguments.flow_angles.into(),
         learning: arguments.learn,
+        drawn: arguments.with_drawn,
     };
     let progress = Progress::new("estimating");
     let ready = AtomicUsize::new(0);

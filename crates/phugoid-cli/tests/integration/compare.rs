@@ -45,6 +45,30 @@ fn a_scenario_of_ones_own_needs_a_model_and_gets_a_table() {
     assert!(text.code == Some(0) && text.out.contains("Later (late)"), "{}{}", text.out, text.err);
 }
 
+/// Errors that residuals are silent about: the estimate is the same with and without what the model file declares, and the bounds are not.
+#[test]
+fn silent_errors_are_held_by_bounds_that_declare_them() {
+    let folder = Folder::new("compare-silent");
+    let arguments =
+        ["compare", "silent-mass", "calm", "--methods", "smpe,equation-error", "--seeds", "1", "--out", "x"];
+    let text = phugoid(&folder.0, &arguments);
+    assert_eq!(text.code, Some(0), "{}", text.err);
+    assert!(text.out.lines().all(|line| line.chars().count() <= 120), "{}", text.out);
+    assert!(
+        text.out.contains("over the parameters. without:")
+            && folder.read("x/report.html").contains("With and without declared errors")
+    );
+    let result = phugoid(&folder.0, &[&arguments[..], &["--json"]].concat()).json();
+    let (silent, calm) = (&result["entries"][0], &result["entries"][1]);
+    assert!(silent["silent"] == true && calm["silent"] == false);
+    for method in silent["methods"].as_array().unwrap() {
+        let last = &method["checkpoints"][2];
+        let of = |key: &str| last[key].as_f64().unwrap();
+        assert!(of("claimed_over_actual") > 2.0 * of("undeclared_over_actual"), "{last}");
+    }
+    assert!(calm["methods"][0]["checkpoints"][2]["undeclared_coverage"].is_null());
+}
+
 #[test]
 fn mistakes_are_told_in_words() {
     let folder = Folder::new("compare-mistakes");

@@ -227,6 +227,7 @@ mod tests {
                 cycle_s: 4.0,
                 counted_from_s: 0.0,
                 damaged: false,
+                silent: false,
                 unit: Unit::CramerRao,
                 methods: Vec::new(),
             };

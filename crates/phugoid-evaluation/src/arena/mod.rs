@@ -18,7 +18,7 @@ mod score;
 mod trial;
 
 pub use self::criteria::{CYCLES, TOLERANCE};
-pub use self::entry::{BUILT_IN, Entry, built_in};
+pub use self::entry::{BUILT_IN, Entry, SilentErrors, built_in};
 pub use self::findings::{Best, Findings};
 #[cfg(feature = "parquet")]
 pub use self::parquet::parquet;

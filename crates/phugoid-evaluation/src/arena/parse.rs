@@ -1,10 +1,10 @@
 //! Arena files: a scenario and a model in one, told as what differs from another one.
 
-use phugoid_identification::model_file::ModelFile;
+use phugoid_identification::model_file::{Base, ModelFile, Thrust};
 use serde::Deserialize;
 use toml::{Table, Value};
 
-use super::entry::{BUILT_IN, Entry};
+use super::entry::{BUILT_IN, Entry, SilentErrors};
 use phugoid_simulation::quantity::Time;
 use phugoid_simulation::scenario::{Scenario, ScenarioError, nearest, parse_toml};
 
@@ -17,6 +17,7 @@ struct Head {
     cycle: Time,
     scenario: Table,
     model: Table,
+    errors: Option<Table>,
 }
 
 /// Most files that may build on one another.
@@ -38,11 +39,48 @@ pub(super) fn parse(text: &str, id: &str) -> Result<Entry, ScenarioError> {
     let scenario = Scenario::parse(&written(&head.scenario, "scenario")?, &format!("{id} [scenario]"))?;
     let model = ModelFile::parse(&format!("{id} [model]"), &written(&head.model, "model")?)
         .map_err(|error| refused(error.to_string()))?;
+    let errors = match head.errors {
+        None => None,
+        Some(table) => Some(errors(table, &head.model, &model, id)?),
+    };
     let cycle_s = head.cycle.si();
     if cycle_s <= 0.0 {
         return Err(refused("`cycle` is the period in which times are counted: positive".to_owned()));
     }
-    Ok(Entry { id: id.to_owned(), title: head.title, shows: head.shows, scenario, model, cycle_s })
+    Ok(Entry { id: id.to_owned(), title: head.title, shows: head.shows, scenario, errors, model, cycle_s })
+}
+
+/// The section `[errors]` beside a model: the keys of `[uncertainty]`, and whether the errors are `drawn`.
+fn errors(mut table: Table, beside: &Table, model: &ModelFile, id: &str) -> Result<SilentErrors, ScenarioError> {
+    let refused = |message: String| ScenarioError::OutOfRange { place: format!("{id} [errors]"), message };
+    let drawn = match table.remove("drawn") {
+        None => false,
+        Some(Value::Boolean(drawn)) => drawn,
+        Some(other) => return Err(refused(format!("`drawn` is true or false, not {other}"))),
+    };
+    if let Some(key) = ["base", "learn", "propagation"].into_iter().find(|key| table.contains_key(*key)) {
+        return Err(refused(format!("`{key}` is nothing that can be put into a flight")));
+    }
+    // The reader of model files knows keys and units.
+    let mut with = beside.clone();
+    with.insert("uncertainty".to_owned(), Value::Table(table));
+    let text = toml::to_string(&with).map_err(|e| refused(e.to_string()))?;
+    let sizes = ModelFile::parse(&format!("{id} [errors]"), &text).map_err(|e| refused(e.to_string()))?.uncertainty;
+    if sizes.thrust > 0.0 && model.aircraft.thrust == Thrust::Trim {
+        return Err(refused(
+            "an error of the thrust needs a thrust that is known: `thrust` under [model.aircraft] is \"trim\""
+                .to_owned(),
+        ));
+    }
+    if sizes.centre_of_gravity > 0.0
+        && (model.base == Base::Aircraft || (model.base == Base::F16 && model.aircraft.cg.is_none()))
+    {
+        return Err(refused(
+            "an error of the centre of gravity needs a model without `base`, or the base \"f16\" with `cg` under [model.aircraft]"
+                .to_owned(),
+        ));
+    }
+    Ok(SilentErrors { sizes, drawn })
 }
 
 /// The text as a table, put upon those that it extends.
@@ -99,6 +137,8 @@ fn merge(base: &mut Table, over: Table) {
 
 #[cfg(test)]
 mod tests {
+    use phugoid_identification::estimation::UncertainQuantity;
+
     use super::*;
 
     #[test]
@@ -125,6 +165,30 @@ mod tests {
     }
 
     #[test]
+    fn each_error_has_an_entry_and_is_as_large_as_it_says() {
+        let of = |id: &str| parse(BUILT_IN.iter().find(|(known, _)| *known == id).unwrap().1, id).unwrap();
+        let single: Vec<Entry> =
+            BUILT_IN.iter().filter(|(id, _)| id.starts_with("silent-")).map(|(id, _)| of(id)).collect();
+        for quantity in UncertainQuantity::ALL.into_iter().filter(|q| *q != UncertainQuantity::BaseTables) {
+            let alone = single.iter().filter(|entry| {
+                let Some(errors) = entry.errors else { return false };
+                let wrong = |q: &UncertainQuantity| errors.sizes.of_quantity(*q) > 0.0;
+                wrong(&quantity) && UncertainQuantity::ALL.iter().filter(|q| wrong(q)).count() == 1
+            });
+            let [entry] = alone.collect::<Vec<_>>()[..] else { panic!("{quantity:?}") };
+            let declared = entry.model.uncertainty.of_quantity(quantity);
+            let ratio = entry.errors.unwrap().sizes.of_quantity(quantity) / declared;
+            let expected = if quantity == UncertainQuantity::Geometry { 1.0 } else { 1.5 };
+            assert!((ratio - expected).abs() < 0.002, "{}: {ratio} of what is declared", entry.id);
+        }
+        let drawn = of("silent-drawn");
+        let errors = drawn.errors.unwrap();
+        assert!(errors.drawn && errors.of_flight(1000) != errors.of_flight(1001));
+        assert_eq!(errors.sizes.mass, drawn.model.uncertainty.mass);
+        assert!(of("silent-none").errors.is_none() && of("calm").errors.is_none());
+    }
+
+    #[test]
     fn mistakes_are_told() {
         let message = parse("extends = \"clam\"", "mine").unwrap_err().to_string();
         assert!(message.contains("did you mean `calm`"), "{message}");
@@ -132,6 +196,15 @@ mod tests {
         assert!(message.contains("did you mean `alpha`"), "{message}");
         let message = parse("extends = \"calm\"\n[model.noise]\nalpha = \"0.1 kg\"", "mine").unwrap_err().to_string();
         assert!(message.contains("mine [model]") && message.contains("kg"), "{message}");
+        let errors = |text: &str, base: &str| {
+            parse(&format!("extends = \"{base}\"\n[errors]\n{text}"), "mine").unwrap_err().to_string()
+        };
+        let message = errors("thrust = 0.05", "calm");
+        assert!(message.contains("mine [errors]") && message.contains("\"trim\""), "{message}");
+        assert!(errors("mas = 0.05", "silent-none").contains("did you mean `mass`"));
+        assert!(errors("drawn = 1", "silent-none").contains("true or false"));
+        assert!(errors("learn = true", "silent-none").contains("`learn`"));
+        assert!(errors("flow_angle_lag = \"2 kg\"", "silent-none").contains("kg"));
         let message = parse("title = \"x\"", "mine").unwrap_err().to_string();
         assert!(message.contains("missing field"), "{message}");
     }

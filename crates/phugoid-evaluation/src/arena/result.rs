@@ -40,6 +40,8 @@ pub struct EntryResult {
     pub counted_from_s: f64,
     /// Whether it has damage: a change to be found.
     pub damaged: bool,
+    /// Whether errors were put in that residuals are silent about, and that model files declare.
+    pub silent: bool,
     /// What errors are measured in.
     pub unit: Unit,
     /// Results of each method, in the order of [`Arena::methods`].
@@ -107,6 +109,12 @@ pub struct Checkpoint {
     pub accuracy: Option<f64>,
     /// Parameters within two claimed standard errors of the truth, all together.
     pub coverage: Option<Coverage>,
+    /// Claimed over actual: root mean square of the claimed standard errors over that of the errors, geometric mean over the parameters.
+    pub claimed_over_actual: Option<f64>,
+    /// `coverage` by a model file that declares no uncertainty, of entries with errors put in.
+    pub undeclared_coverage: Option<Coverage>,
+    /// `claimed_over_actual` likewise.
+    pub undeclared_over_actual: Option<f64>,
     /// Scores of each parameter, in the model's order.
     pub parameters: Vec<ParameterScore>,
 }

@@ -38,6 +38,7 @@ pub(super) fn score(entry: &Entry, methods: &[String], flights: &[Trial]) -> Ent
         cycle_s: entry.cycle_s,
         counted_from_s: quantile(flights.iter().map(|f| f.from_s).collect(), 0.5),
         damaged: !entry.scenario.damage.is_empty(),
+        silent: entry.errors.is_some(),
         unit,
         methods: results,
     }
@@ -57,7 +58,14 @@ fn of_method(entry: &Entry, name: &str, method: usize, flights: &[Trial], unit: 
             let units = |flight: &Trial| if unit == Unit::Prior { prior.clone() } else { flight.unit[c].clone() };
             let rows: Vec<(Vec<f64>, &[Point])> =
                 tracks.iter().map(|(flight, track)| (units(flight), track.points[c].as_slice())).collect();
-            checkpoint(*cycles, cycles * entry.cycle_s, &names, &rows)
+            let mut checkpoint = checkpoint(*cycles, cycles * entry.cycle_s, &names, &rows);
+            if entry.errors.is_some() {
+                let undeclared: Vec<&[Point]> =
+                    tracks.iter().filter_map(|(_, track)| track.undeclared.get(c).map(Vec::as_slice)).collect();
+                checkpoint.undeclared_coverage = together(&undeclared);
+                checkpoint.undeclared_over_actual = claimed_over_actual(&undeclared);
+            }
+            checkpoint
         })
         .collect();
     let settled: Vec<Settled> = names
@@ -126,27 +134,40 @@ fn checkpoint(cycles: f64, after_s: f64, names: &[&str], rows: &[(Vec<f64>, &[Po
             }
         })
         .collect();
+    let points: Vec<&[Point]> = rows.iter().map(|(_, points)| *points).collect();
     let logarithms: f64 = parameters.iter().map(|p| p.rmse_over_unit.ln()).sum();
     Checkpoint {
         cycles,
         after_s,
         accuracy: known((logarithms / parameters.len().max(1) as f64).exp()).filter(|_| !rows.is_empty()),
-        coverage: together(rows),
+        coverage: together(&points),
+        claimed_over_actual: claimed_over_actual(&points),
+        undeclared_coverage: None,
+        undeclared_over_actual: None,
         parameters,
     }
 }
 
-/// Coverage of all parameters of all flights; none where a bound is not claimed.
-fn together(rows: &[(Vec<f64>, &[Point])]) -> Option<Coverage> {
-    let flights = rows.len();
-    let per_flight = rows.first().map_or(0, |(_, points)| points.len());
-    if flights == 0 || per_flight == 0 || !rows.iter().all(|(_, points)| points.iter().all(claims)) {
+/// Root mean square claim over root mean square error, geometric mean over the parameters; none where a bound is not claimed.
+fn claimed_over_actual(rows: &[&[Point]]) -> Option<f64> {
+    let count = rows.first().map_or(0, |points| points.len());
+    if count == 0 || !rows.iter().all(|points| points.iter().all(claims)) {
         return None;
     }
-    let parts: Vec<f64> = rows
-        .iter()
-        .map(|(_, points)| points.iter().filter(|p| covered(p)).count() as f64 / per_flight as f64)
-        .collect();
+    let sum = |j: usize, f: &dyn Fn(&Point) -> f64| rows.iter().map(|points| f(&points[j]).powi(2)).sum::<f64>();
+    let ratio = |j: usize| sum(j, &|p| p.std_error) / sum(j, &|p| p.value - p.truth);
+    known(((0..count).map(|j| ratio(j).ln()).sum::<f64>() / (2 * count) as f64).exp())
+}
+
+/// Coverage of all parameters of all flights; none where a bound is not claimed.
+fn together(rows: &[&[Point]]) -> Option<Coverage> {
+    let flights = rows.len();
+    let per_flight = rows.first().map_or(0, |points| points.len());
+    if flights == 0 || per_flight == 0 || !rows.iter().all(|points| points.iter().all(claims)) {
+        return None;
+    }
+    let parts: Vec<f64> =
+        rows.iter().map(|points| points.iter().filter(|p| covered(p)).count() as f64 / per_flight as f64).collect();
     let fraction = parts.iter().sum::<f64>() / flights as f64;
     // Errors of one flight go together. As many independent cases as give the variance that the flights show, at least one
     // per flight.
@@ -204,14 +225,17 @@ mod tests {
         let c = checkpoint(1.0, 4.0, &["x", "y"], &[(vec![0.1, 0.1], silent.as_slice())]);
         assert!(c.coverage.is_none() && c.parameters[0].coverage.is_none() && c.parameters[1].coverage.is_some());
         assert!(checkpoint(1.0, 4.0, &["x"], &[]).accuracy.is_none());
+        // Errors of 0.1 and 0.3, claims of 0.1 and 0.1: root mean squares of 0.1 over that of 0.05.
+        let claimed = claimed_over_actual(&[&[point(0.1, 0.1)], &[point(-0.3, 0.1)]]).unwrap();
+        assert!((claimed - (0.01_f64 / 0.05).sqrt()).abs() < 1e-12, "{claimed}");
+        assert!(claimed_over_actual(&[&silent]).is_none() && claimed_over_actual(&[]).is_none());
     }
 
     /// Flights in which all parameters are covered together or none of them are worth one case each.
     #[test]
     fn parameters_that_fail_together_are_one_case() {
         let (good, bad) = (vec![point(0.0, 1.0); 4], vec![point(9.0, 1.0); 4]);
-        let rows: Vec<(Vec<f64>, &[Point])> =
-            (0..40).map(|k| (vec![1.0; 4], if k % 4 == 0 { bad.as_slice() } else { good.as_slice() })).collect();
+        let rows: Vec<&[Point]> = (0..40).map(|k| if k % 4 == 0 { bad.as_slice() } else { good.as_slice() }).collect();
         let together = together(&rows).unwrap();
         assert_eq!(together.fraction, 0.75);
         let [low, high] = together.interval;

@@ -6,7 +6,7 @@ use phugoid_flight_data::record::Record;
 use phugoid_identification::axes::Axes;
 use phugoid_identification::estimate::{EstimateError, EstimateOptions, Method, estimate};
 use phugoid_identification::estimation::{Estimation, EventKind};
-use phugoid_identification::model_file::ModelFile;
+use phugoid_identification::model_file::{ModelFile, Uncertainty};
 use serde::{Deserialize, Serialize};
 
 use super::criteria::{CYCLES, TOLERANCE};
@@ -67,6 +67,9 @@ pub(super) struct Point {
 pub(super) struct Track {
     /// By checkpoint and parameter.
     pub(super) points: Vec<Vec<Point>>,
+    /// The same by a model file that declares no uncertainty, of flights into which errors were put; else empty.
+    #[serde(default)]
+    pub(super) undeclared: Vec<Vec<Point>>,
     /// Time from the reference to within the tolerance for good, by parameter, s; infinite if never.
     #[serde(with = "crate::exact")]
     pub(super) settled_s: Vec<f64>,
@@ -119,15 +122,27 @@ pub(super) fn fly_and_estimate(entry: &Entry, contestants: &[Contestant], k: u64
         )));
     }
     let names = judged(&entry.model);
+    // Bounds and truth are those of the flight as it was, before anything is put in.
     let bounds = bounds(&flight, entry, &at)?;
     let bounded = bounds.is_some();
     let unit = bounds.unwrap_or_else(|| {
         let prior = entry.model.estimated().filter(|p| !p.is_nuisance()).map(|p| p.prior_std).collect();
         vec![prior; at.len()]
     });
-    let truths: Vec<Vec<f64>> = at.iter().map(|t| truth_at(&flight, &names, *t)).collect();
-    let tracks =
-        contestants.iter().map(|contestant| track(contestant, entry, &flight, &names, &truths, from_s, &at)).collect();
+    let mut truths: Vec<Vec<f64>> = at.iter().map(|t| truth_at(&flight, &names, *t)).collect();
+    let (mut record, mut model) = (flight.measured.clone(), entry.model.clone());
+    if let Some(errors) = &entry.errors {
+        let sizes = errors.of_flight(seed);
+        sizes.put_in(&mut record, &mut model);
+        for truths in &mut truths {
+            let before = truths.clone();
+            let of = |name: &str| names.iter().position(|known| *known == name).map(|j| before[j]);
+            let shift = |name: &str| sizes.shift_of_truth(&entry.model, name, of);
+            truths.iter_mut().zip(&names).for_each(|(truth, name)| *truth += shift(name));
+        }
+    }
+    let seen = Seen { record, model, names, truths, at };
+    let tracks = contestants.iter().map(|contestant| track(contestant, entry, &flight, &seen, from_s)).collect();
     Ok(Trial { from_s, seed, unit, bounded, tracks })
 }
 
@@ -170,30 +185,66 @@ fn bounds(flight: &Flight, entry: &Entry, at: &[f64]) -> Result<Option<Vec<Vec<f
     Ok((told && units.iter().flatten().all(|u| u.is_finite())).then_some(units))
 }
 
+/// What the contestants are given of a flight, and what is then true at the times that are looked at.
+struct Seen<'a> {
+    record: Record,
+    model: ModelFile,
+    /// The judged parameters.
+    names: Vec<&'a str>,
+    /// By time and parameter.
+    truths: Vec<Vec<f64>>,
+    /// The times, s.
+    at: Vec<f64>,
+}
+
 fn track(
     contestant: &Contestant,
     entry: &Entry,
     flight: &Flight,
-    names: &[&str],
-    truths: &[Vec<f64>],
+    seen: &Seen<'_>,
     from_s: f64,
-    at: &[f64],
 ) -> Result<Track, String> {
+    let (points, whole, microseconds) = looked_at(contestant, seen, &seen.model)?;
+    let undeclared = match entry.errors {
+        None => Vec::new(),
+        Some(_) => {
+            let model = ModelFile { uncertainty: Uncertainty::NONE, ..seen.model.clone() };
+            looked_at(contestant, seen, &model)?.0
+        }
+    };
+    let settled_s = seen.names.iter().map(|name| settled(contestant, &whole, flight, name, from_s)).collect();
+    let times = |kind: EventKind| whole.events.iter().filter(|e| e.kind == kind).map(|e| e.time_s).collect();
+    Ok(Track {
+        points,
+        undeclared,
+        settled_s,
+        doubts_s: times(EventKind::InDoubt),
+        changes_s: times(EventKind::Adopted),
+        microseconds,
+    })
+}
+
+/// By time and parameter, the last estimation and its computing time per sample, microseconds.
+type LookedAt = (Vec<Vec<Point>>, Estimation, f64);
+
+/// Estimates with this model and looks at the parameters at each of the times.
+fn looked_at(contestant: &Contestant, seen: &Seen<'_>, model: &ModelFile) -> Result<LookedAt, String> {
     let timed = |record: &Record| {
         let start = Instant::now();
-        let estimation = (contestant.run)(record, &entry.model).map_err(|error| error.to_string())?;
+        let estimation = (contestant.run)(record, model).map_err(|error| error.to_string())?;
         let microseconds = start.elapsed().as_secs_f64() * 1e6 / record.time.len().max(1) as f64;
         Ok::<_, String>((estimation, microseconds))
     };
     // A causal method needs to run once, another one once for each time that is looked at.
-    let mut run = if contestant.causal { Some(timed(&flight.measured)?) } else { None };
-    let mut points = Vec::with_capacity(at.len());
-    for (t, truths) in at.iter().zip(truths) {
+    let mut run = if contestant.causal { Some(timed(&seen.record)?) } else { None };
+    let mut points = Vec::with_capacity(seen.at.len());
+    for (t, truths) in seen.at.iter().zip(&seen.truths) {
         if !contestant.causal {
-            run = Some(timed(&until(&flight.measured, *t))?);
+            run = Some(timed(&until(&seen.record, *t))?);
         }
         let estimation = run.as_ref().map(|(estimation, _)| estimation);
-        let row: Option<Vec<Point>> = names
+        let row: Option<Vec<Point>> = seen
+            .names
             .iter()
             .zip(truths)
             .map(|(name, truth)| {
@@ -202,21 +253,13 @@ fn track(
             })
             .collect();
         let Some(row) = row else { return Err(format!("it gives no estimate at {t:.2} s")) };
-        if let Some((point, name)) = row.iter().zip(names).find(|(point, _)| !point.value.is_finite()) {
+        if let Some((point, name)) = row.iter().zip(&seen.names).find(|(point, _)| !point.value.is_finite()) {
             return Err(format!("`{name}` is {} at {t:.2} s", point.value));
         }
         points.push(row);
     }
     let Some((whole, microseconds)) = run else { return Err("there is no time to look at".to_owned()) };
-    let settled_s = names.iter().map(|name| settled(contestant, &whole, flight, name, from_s)).collect();
-    let times = |kind: EventKind| whole.events.iter().filter(|e| e.kind == kind).map(|e| e.time_s).collect();
-    Ok(Track {
-        points,
-        settled_s,
-        doubts_s: times(EventKind::InDoubt),
-        changes_s: times(EventKind::Adopted),
-        microseconds,
-    })
+    Ok((points, whole, microseconds))
 }
 
 /// Estimate and claimed standard error of a parameter: at a time, or at the end of a record that ends there.

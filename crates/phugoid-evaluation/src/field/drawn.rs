@@ -1,203 +1,16 @@
 //! Errors drawn from what the model files declare, put into healthy flights: whether the bounds hold them, with what is
 //! declared and without it, and whether the largest contributor is named.
 
-use std::collections::BTreeMap;
-
-use phugoid_flight_data::record::Record;
 use phugoid_identification::estimate::{EstimateOptions, StructureSearch, estimate};
 use phugoid_identification::estimation::{EstimationStatus, UncertainQuantity};
 use phugoid_identification::method::Method;
-use phugoid_identification::model_file::{AirDensity, DatabasePart, ModelFile, Thrust};
-use rand::{RngExt, SeedableRng};
-use rand_pcg::Pcg64Mcg;
+use phugoid_identification::model_file::DatabasePart;
 use serde::Serialize;
 
-use super::corruption::{constant, delay, draw_below, each, reread};
 use super::trial::Flight;
 use super::truth::TrueParameter;
-
-/// One error of its own: a quantity, and of which sensor, surface or axis.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub struct Site {
-    /// The quantity, whose declared uncertainty is that of each of its sites.
-    pub quantity: UncertainQuantity,
-    /// The channel or constant; empty where there is one alone.
-    pub of: &'static str,
-}
-
-const fn site(quantity: UncertainQuantity, of: &'static str) -> Site {
-    Site { quantity, of }
-}
-
-/// All sites.
-pub const SITES: [Site; 30] = [
-    site(UncertainQuantity::AirspeedScale, "true_airspeed"),
-    site(UncertainQuantity::AirspeedPerAlpha, "true_airspeed"),
-    site(UncertainQuantity::AirDensity, ""),
-    site(UncertainQuantity::FlowAngleScale, "alpha"),
-    site(UncertainQuantity::FlowAngleScale, "beta"),
-    site(UncertainQuantity::FlowAngleZero, "alpha"),
-    site(UncertainQuantity::FlowAngleZero, "beta"),
-    site(UncertainQuantity::FlowAngleLag, "alpha"),
-    site(UncertainQuantity::FlowAngleLag, "beta"),
-    site(UncertainQuantity::FlowAnglePosition, "alpha"),
-    site(UncertainQuantity::FlowAnglePosition, "beta"),
-    site(UncertainQuantity::SurfaceScale, "elevator"),
-    site(UncertainQuantity::SurfaceScale, "aileron"),
-    site(UncertainQuantity::SurfaceScale, "rudder"),
-    site(UncertainQuantity::SurfaceSkew, ""),
-    site(UncertainQuantity::SurfacePlay, "elevator"),
-    site(UncertainQuantity::SurfacePlay, "aileron"),
-    site(UncertainQuantity::SurfacePlay, "rudder"),
-    site(UncertainQuantity::AccelerationScale, "ax"),
-    site(UncertainQuantity::AccelerationScale, "ay"),
-    site(UncertainQuantity::AccelerationScale, "az"),
-    site(UncertainQuantity::AccelerationPosition, "ahead"),
-    site(UncertainQuantity::AccelerationPosition, "below"),
-    site(UncertainQuantity::Mass, ""),
-    site(UncertainQuantity::Inertia, "ixx"),
-    site(UncertainQuantity::Inertia, "iyy"),
-    site(UncertainQuantity::Inertia, "izz"),
-    site(UncertainQuantity::CentreOfGravity, ""),
-    site(UncertainQuantity::Geometry, ""),
-    site(UncertainQuantity::Thrust, ""),
-];
-
-impl Site {
-    /// Puts an error of size `c` (in the unit of the quantity) into a flight, its model file and what is true about the
-    /// centre of gravity that the model file means: a sensor shows `(1 + c)` times what is true, `c` radians more, or what was true `c`
-    /// seconds before, or stands `c` metres ahead or below; the aircraft has `(1 + c)` times what the model file says, its centre of
-    /// gravity `c` chords behind, or as much play between what is recorded and a surface as `c` has, whatever its sign.
-    fn apply(self, c: f64, record: &mut Record, model: &mut ModelFile, truth: &mut BTreeMap<String, TrueParameter>) {
-        match self.quantity {
-            UncertainQuantity::AirspeedScale
-            | UncertainQuantity::FlowAngleScale
-            | UncertainQuantity::SurfaceScale
-            | UncertainQuantity::AccelerationScale => each(record, self.of, |v| v * (1.0 + c)),
-            UncertainQuantity::AirspeedPerAlpha => {
-                let mut alpha = values(record, "alpha").into_iter();
-                each(record, self.of, |v| {
-                    let here = alpha.next().filter(|a| a.is_finite()).unwrap_or(0.0);
-                    v * (1.0 + c * here)
-                });
-            }
-            UncertainQuantity::AirDensity => {
-                each(record, "air_density", |v| v * (1.0 + c));
-                match &mut model.aircraft.air_density {
-                    AirDensity::Known(source) => constant(source, 1.0 + c),
-                    // As much denser as the air is so far below.
-                    AirDensity::StandardAtmosphere | AirDensity::BookAtmosphere => {
-                        each(record, "altitude", |v| v - c * DENSITY_HEIGHT_M);
-                    }
-                }
-            }
-            UncertainQuantity::FlowAngleZero => each(record, self.of, |v| v + c),
-            UncertainQuantity::FlowAngleLag => delay(record, self.of, c),
-            UncertainQuantity::FlowAnglePosition => {
-                let (rate, sign) = if self.of == "alpha" { ("q", -1.0) } else { ("r", 1.0) };
-                let speeds = values(record, "true_airspeed");
-                let moved: Vec<f64> =
-                    values(record, rate).iter().zip(speeds).map(|(rate, v)| sign * c * rate / v).collect();
-                add(record, self.of, &moved);
-            }
-            UncertainQuantity::AccelerationPosition => {
-                let arm = if self.of == "ahead" { [c, 0.0, 0.0] } else { [0.0, 0.0, c] };
-                for (name, moved) in ["ax", "ay", "az"].into_iter().zip(felt_at(record, arm)) {
-                    add(record, name, &moved);
-                }
-            }
-            UncertainQuantity::SurfacePlay => {
-                // What is recorded lies ahead of the surface by half the play, after it has moved that far in one direction.
-                let half = 0.5 * c.abs();
-                let (mut ahead, mut before) = (0.0_f64, None);
-                each(record, self.of, |v| {
-                    if v.is_finite() {
-                        ahead = (ahead + v - before.replace(v).unwrap_or(v)).clamp(-half, half);
-                    }
-                    v + ahead
-                });
-            }
-            UncertainQuantity::SurfaceSkew => {
-                ["elevator", "aileron", "rudder"].into_iter().for_each(|name| delay(record, name, c));
-            }
-            UncertainQuantity::Mass => constant(&mut model.aircraft.mass, 1.0 / (1.0 + c)),
-            UncertainQuantity::Inertia => {
-                let aircraft = &mut model.aircraft;
-                let place = match self.of {
-                    "ixx" => aircraft.ixx.as_mut(),
-                    "izz" => aircraft.izz.as_mut(),
-                    _ => Some(&mut aircraft.iyy),
-                };
-                place.into_iter().for_each(|source| constant(source, 1.0 / (1.0 + c)));
-            }
-            UncertainQuantity::CentreOfGravity => {
-                // The derivatives about the centre of gravity that the model file means: `Cm - c CN`, `Cn + c CY cbar/b`.
-                let before = truth.clone();
-                let arm = model.aircraft.wing_span.map_or(0.0, |span| model.aircraft.mean_chord / span);
-                for (name, value) in truth.iter_mut() {
-                    let from =
-                        |force: &str, rest: &str| before.get(&format!("{force}_{rest}")).map_or(0.0, |p| p.value);
-                    if let Some(rest) = name.strip_prefix("Cm_") {
-                        value.value -= c * from("CL", rest);
-                    } else if let Some(rest) = name.strip_prefix("Cn_") {
-                        value.value -= c * arm * from("CY", rest);
-                    }
-                }
-            }
-            UncertainQuantity::Geometry => {
-                let aircraft = &mut model.aircraft;
-                aircraft.wing_area /= (1.0 + c).powi(2);
-                aircraft.mean_chord /= 1.0 + c;
-                aircraft.wing_span = aircraft.wing_span.map(|span| span / (1.0 + c));
-            }
-            UncertainQuantity::Thrust => {
-                each(record, "thrust", |v| v / (1.0 + c));
-                if let Thrust::Known(source) = &mut model.aircraft.thrust {
-                    constant(source, 1.0 / (1.0 + c));
-                }
-            }
-            // No site is of them.
-            UncertainQuantity::BaseTables => {}
-        }
-    }
-}
-
-/// Height over which the density of the troposphere falls by one part in `e`, m: `1/(g/(R T) - L/T)` at 273 K.
-const DENSITY_HEIGHT_M: f64 = 9874.0;
-
-/// The values of a channel; of one that the record lacks, and for each sample that has none, NaN.
-fn values(record: &Record, name: &str) -> Vec<f64> {
-    record.channel(name).map_or_else(|| vec![f64::NAN; record.time.len()], |channel| channel.values.clone())
-}
-
-/// Adds to the values of a channel what is a number.
-fn add(record: &mut Record, name: &str, moved: &[f64]) {
-    let mut moved = moved.iter();
-    each(record, name, |v| v + moved.next().copied().filter(|m| m.is_finite()).unwrap_or(0.0));
-}
-
-/// What accelerometers at `arm` (m, body axes) feel more than at the centre of gravity, by axis: `w' x r + w x (w x r)`, m/s^2. A rate that is
-/// not recorded is zero; their derivatives are central differences.
-fn felt_at(record: &Record, arm: [f64; 3]) -> [Vec<f64>; 3] {
-    let time = &record.time;
-    let or_zero = |name: &str| -> Vec<f64> {
-        values(record, name).into_iter().map(|v| if v.is_finite() { v } else { 0.0 }).collect()
-    };
-    let rates = ["p", "q", "r"].map(or_zero);
-    let cross =
-        |a: [f64; 3], b: [f64; 3]| [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
-    let felt: Vec<[f64; 3]> = (0..time.len())
-        .map(|k| {
-            let (before, after) = (k.saturating_sub(1), (k + 1).min(time.len() - 1));
-            let step_s = time[after] - time[before];
-            let accelerations = rates.each_ref().map(|rate| (rate[after] - rate[before]) / step_s);
-            let rates = rates.each_ref().map(|rate| rate[k]);
-            let (turned, swung) = (cross(accelerations, arm), cross(rates, cross(rates, arm)));
-            std::array::from_fn(|i| turned[i] + swung[i])
-        })
-        .collect();
-    std::array::from_fn(|axis| felt.iter().map(|felt| felt[axis]).collect())
-}
+use crate::put_in::declared::{SITES, Sizes};
+use crate::put_in::fault::draw_below;
 
 /// How the errors are drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -300,24 +113,6 @@ pub struct DrawnStudy {
     pub trials: Vec<DrawnTrial>,
 }
 
-/// Sizes of the errors, in the order of [`SITES`].
-fn draw_sizes(draw: Draw, model: &ModelFile, number: usize) -> [f64; SITES.len()] {
-    // Numbers of their own, apart from those of other studies.
-    let mut random = Pcg64Mcg::seed_from_u64(0x6472_6177_6e00 + number as u64);
-    let mut normal = || {
-        let (a, b): (f64, f64) = (random.random::<f64>().max(1e-300), random.random());
-        (-2.0 * a.ln()).sqrt() * (std::f64::consts::TAU * b).cos()
-    };
-    SITES.map(|site| {
-        let size = normal() * model.uncertainty.of_quantity(site.quantity);
-        match draw {
-            Draw::All => size,
-            Draw::One(quantity) if quantity == site.quantity => size,
-            _ => 0.0,
-        }
-    })
-}
-
 /// The quantity that is named first, if any is.
 type Named = Option<UncertainQuantity>;
 /// Of a parameter: what is named first, the variance that each quantity makes by re-runs, and the claimed standard error.
@@ -325,24 +120,19 @@ type Ranked = (Named, [f64; UncertainQuantity::ALL.len()], f64);
 
 /// The flight with errors of these sizes in it: its parameters, and what is named first for each. None where it gives no
 /// numbers that may be used.
-fn run(flight: &Flight, method: Method, sizes: &[f64; SITES.len()]) -> Option<(Vec<DrawnParameter>, Vec<Named>)> {
-    let record = flight.record.as_ref().ok()?;
-    let (mut record, mut model, mut truth) = (record.clone(), flight.model.clone(), flight.truth.at_end().clone());
-    for (site, size) in SITES.iter().zip(sizes).filter(|(_, size)| **size != 0.0) {
-        site.apply(*size, &mut record, &mut model, &mut truth);
-    }
-    let record = reread(record).ok()?;
+fn run(flight: &Flight, method: Method, sizes: &Sizes) -> Option<(Vec<DrawnParameter>, Vec<Named>)> {
+    let wrong = flight.with(sizes);
+    let (record, model) = (wrong.record.as_ref().ok()?, &wrong.model);
     let structure = StructureSearch::Never;
     let options = EstimateOptions { method: Some(method), structure, ..EstimateOptions::default() };
-    let estimation = estimate(&record, &model, &options, &mut |_| {}).ok()?;
+    let estimation = estimate(record, model, &options, &mut |_| {}).ok()?;
     if estimation.status == EstimationStatus::Refused {
         return None;
     }
     let mut named = Vec::new();
     let mut parameters = Vec::new();
-    for (name, p) in
-        truth.iter().filter(|(name, _)| flight.truth.at_end().get(*name).is_some_and(TrueParameter::counts))
-    {
+    let counts = |name: &String| flight.truth.at_end().get(name).is_some_and(TrueParameter::counts);
+    for (name, p) in wrong.truth.at_end().iter().filter(|(name, _)| counts(name)) {
         let Some(found) = estimation.parameter(name) else { continue };
         let Some(declared) = model.parameters.iter().find(|declared| declared.name == *name) else { continue };
         named.push(found.systematic_parts.first().map(|part| part.quantity));
@@ -380,7 +170,12 @@ pub(super) fn tasks(per_row: usize, flights: usize) -> Vec<(Draw, usize, usize)>
 
 /// One flight with drawn errors.
 pub(super) fn trial(flight: &Flight, method: Method, draw: Draw, number: usize) -> DrawnTrial {
-    let sizes = draw_sizes(draw, &flight.model, number);
+    let wanted = |quantity| match draw {
+        Draw::None => false,
+        Draw::All => true,
+        Draw::One(one) => one == quantity,
+    };
+    let sizes = Sizes::drawn(&flight.model.uncertainty, number as u64, wanted);
     let parameters = run(flight, method, &sizes).map_or_else(Vec::new, |(parameters, _)| parameters);
     DrawnTrial { flight: format!("{}/{}", flight.truth.aircraft, flight.truth.flight), draw, parameters }
 }
@@ -388,13 +183,11 @@ pub(super) fn trial(flight: &Flight, method: Method, draw: Draw, number: usize) 
 /// Of each parameter of a flight: what is named first, the variance that each quantity makes by re-runs with one sigma of
 /// each, and the claimed one.
 pub(super) fn rank(flight: &Flight, method: Method) -> Vec<Ranked> {
-    let Some((clean, named)) = run(flight, method, &[0.0; SITES.len()]) else { return Vec::new() };
+    let Some((clean, named)) = run(flight, method, &Sizes::NONE) else { return Vec::new() };
     let mut variances = vec![[0.0; UncertainQuantity::ALL.len()]; clean.len()];
     for (i, site) in SITES.iter().enumerate() {
         let sigma = flight.model.uncertainty.of_quantity(site.quantity);
-        let mut sizes = [0.0; SITES.len()];
-        sizes[i] = sigma;
-        let Some((wrong, _)) = run(flight, method, &sizes).filter(|_| sigma > 0.0) else { continue };
+        let Some((wrong, _)) = run(flight, method, &Sizes::of_one(i, sigma)).filter(|_| sigma > 0.0) else { continue };
         for (variances, clean) in variances.iter_mut().zip(&clean) {
             if let Some(wrong) = wrong.iter().find(|wrong| wrong.name == clean.name) {
                 // What is true may have moved as well: the centre of gravity.

@@ -3,7 +3,6 @@
 //! `scripts/field/make.py` flies them; docs/field.md says what they are. Every flight goes the path of `phugoid estimate`
 //! with its default settings; what comes out is counted against the truth of that very flight.
 
-pub mod corruption;
 pub mod drawn;
 mod error;
 pub mod standing;
@@ -23,7 +22,6 @@ use serde::Serialize;
 
 pub use error::FieldError;
 
-use corruption::{Corruption, Fault};
 use drawn::DrawnStudy;
 use structure::StructureStudy;
 use summary::{ChangeSummary, ConsistencySummary, GroupSummary, WatchSummary};
@@ -31,6 +29,8 @@ use trial::{Flight, RealChange, Trial};
 use truth::{Kind, Split, Truth};
 
 use crate::monte_carlo::monte_carlo;
+use crate::put_in::declared::Sizes;
+use crate::put_in::fault::{Corruption, Fault, draw_below};
 
 /// What to run.
 #[derive(Clone, Debug, PartialEq)]
@@ -51,6 +51,9 @@ pub struct FieldOptions {
     pub flow_angles: FlowAngles,
     /// Whether values and bounds of SMPE and the joint filter contain what a flight itself says of declared errors, whatever the model file says.
     pub learning: bool,
+    /// Whether every flight gets all errors that its model file declares, and from which seed they are drawn: flight `k` has this seed
+    /// plus `k`.
+    pub drawn: Option<u64>,
 }
 
 /// The result: every trial, and what they come to.
@@ -103,7 +106,7 @@ pub fn run(folder: &Path, options: &FieldOptions, done: &(dyn Fn(usize) + Sync))
     let healthy: Vec<usize> = (0..flights.len()).filter(|i| may_be_corrupted(&flights[*i].truth)).collect();
     if let (Some(method), false) = (options.methods.first(), healthy.is_empty()) {
         tasks.extend((0..options.faults).map(|k| {
-            let flight = healthy[corruption::draw_below(k, healthy.len())];
+            let flight = healthy[draw_below(k, healthy.len())];
             (flight, *method, Some(Corruption::draw(k)), false)
         }));
     }
@@ -133,8 +136,12 @@ fn flights(folder: &Path, options: &FieldOptions) -> Result<Vec<Flight>, FieldEr
         return Err(FieldError::NoSuch(options.only.join(" or ")));
     }
     let mut flights: Vec<Flight> = truths.into_iter().map(open).collect::<Result<_, _>>()?;
-    for flight in &mut flights {
+    for (flight, number) in flights.iter_mut().zip(0..) {
         flight.model.uncertainty.learns |= options.learning;
+        if let Some(seed) = options.drawn {
+            let seed = seed.wrapping_add(number);
+            *flight = flight.with(&Sizes::drawn(&flight.model.uncertainty, seed, |_| true));
+        }
     }
     Ok(flights)
 }
@@ -195,9 +202,7 @@ pub fn run_drawn(
         Ok(drawn::trial(&flights[flight], method, draw, number))
     };
     let trials = monte_carlo(tasks.len(), run, || done(all))?;
-    let rank = |k: usize| -> Result<_, FieldError> {
-        Ok(drawn::rank(&flights[corruption::draw_below(k, flights.len())], method))
-    };
+    let rank = |k: usize| -> Result<_, FieldError> { Ok(drawn::rank(&flights[draw_below(k, flights.len())], method)) };
     let found = monte_carlo(ranked, rank, || done(all))?;
     let ranking = (ranked > 0).then(|| drawn::ranking(found.into_iter().flatten().collect()));
     let learns = options.learning && matches!(method, Method::Smpe | Method::Ekf);

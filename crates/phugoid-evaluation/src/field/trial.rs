@@ -1,5 +1,7 @@
 //! One flight, one method: the path of `phugoid estimate`, and what came of it.
 
+use std::collections::BTreeMap;
+
 use phugoid_flight_data::record::Record;
 use phugoid_identification::estimate::{EstimateOptions, StructureSearch, estimate};
 use phugoid_identification::estimation::{
@@ -9,10 +11,12 @@ use phugoid_identification::method::Method;
 use phugoid_identification::model_file::ModelFile;
 use serde::Serialize;
 
-use super::corruption::{Corruption, reread};
 use super::standing::{Word, refusal, standing};
 use super::truth::{Kind, TrueParameter, Truth};
 use super::watch::{Watched, watch};
+use crate::put_in::declared::Sizes;
+use crate::put_in::fault::Corruption;
+use crate::put_in::reread;
 use crate::statistics::median;
 
 /// Errors beyond this many claimed standard errors are counted as wrong.
@@ -247,6 +251,24 @@ pub(super) struct Flight {
 }
 
 impl Flight {
+    /// The flight with errors of these sizes in it: record, model file, and what is then true. Where the reader does not take the record
+    /// any more, that is why there is none.
+    pub(super) fn with(&self, sizes: &Sizes) -> Self {
+        let (mut truth, mut model) = (self.truth.clone(), self.model.clone());
+        let shift = |parameters: &mut BTreeMap<String, TrueParameter>| {
+            let before = parameters.clone();
+            let of = |name: &str| before.get(name).map(|p| p.value);
+            parameters.iter_mut().for_each(|(name, p)| p.value += sizes.shift_of_truth(&self.model, name, of));
+        };
+        shift(&mut truth.truth.parameters);
+        truth.change.iter_mut().for_each(|change| shift(&mut change.after));
+        let record = self.record.clone().and_then(|mut record| {
+            sizes.put_in(&mut record, &mut model);
+            reread(record)
+        });
+        Self { truth, model, record }
+    }
+
     /// Runs the method of the options on the flight, with an error if one is given, and the health monitor beside it if `watched`.
     pub(super) fn trial(&self, options: &EstimateOptions, corruption: Option<Corruption>, watched: bool) -> Trial {
         let truth = &self.truth;

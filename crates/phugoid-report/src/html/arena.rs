@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use phugoid_evaluation::arena::{Arena, EntryResult, Findings, MethodResult};
+use phugoid_evaluation::arena::{Arena, Coverage, EntryResult, Findings, MethodResult};
 
 use super::page::{self, END_OF_TABLE, Section, prose, table};
 use crate::arena::{arena_figures, ratio};
@@ -120,6 +120,7 @@ fn scenario(entry: &EntryResult) -> String {
         rows(&mut out, method, heads.len());
     }
     out.push_str(END_OF_TABLE);
+    out.push_str(&declared(entry));
     out.push_str(&changes(entry));
     for method in entry.methods.iter().filter(|m| m.failed > 0) {
         let why = method.failure.as_deref().unwrap_or_default();
@@ -186,6 +187,36 @@ fn rows(out: &mut String, method: &MethodResult, columns: usize) {
         number(out, settled.map_or_else(String::new, |s| s.never.to_string()));
         out.push_str("</tr>\n");
     }
+}
+
+/// The table of what declared errors do to the bounds, at the last checkpoint; empty where no such errors were put in.
+fn declared(entry: &EntryResult) -> String {
+    if !entry.silent {
+        return String::new();
+    }
+    let heads = [
+        ("", "Method"),
+        ("n", "Covered,<br>declared (%)"),
+        ("n", "Claimed over<br>actual (–)"),
+        ("n", "Covered, nothing<br>declared (%)"),
+        ("n", "Claimed over<br>actual (–)"),
+    ];
+    let mut out = format!("<h3>With and without declared errors</h3>\n{}", table(&heads));
+    for method in &entry.methods {
+        let Some(last) = method.checkpoints.last() else { continue };
+        let percent = |c: Option<Coverage>| c.map_or_else(|| "–".to_owned(), |c| format!("{:.0}", 100.0 * c.fraction));
+        let over = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), ratio);
+        let cells = [
+            percent(last.coverage),
+            over(last.claimed_over_actual),
+            percent(last.undeclared_coverage),
+            over(last.undeclared_over_actual),
+        ];
+        let cells = cells.map(|cell| format!("<td class=\"n\">{cell}</td>")).concat();
+        let _ = writeln!(out, "<tr><th scope=\"row\">{}</th>{cells}</tr>", escape(&method.method));
+    }
+    out.push_str(END_OF_TABLE);
+    out
 }
 
 /// The table of the changes that were found; empty if there was neither damage nor a false alarm.

@@ -10,6 +10,9 @@ use crate::arguments::Compare;
 use crate::commands::{estimate, simulate};
 use crate::failure::Failure;
 
+/// The word for all entries with errors that residuals are silent about.
+const SILENT: &str = "silent";
+
 /// The named methods in the given order, or all methods if none is named.
 pub(super) fn methods(names: &[String]) -> Result<Vec<Method>, Failure> {
     if names.is_empty() {
@@ -32,7 +35,13 @@ pub(super) fn entries(arguments: &Compare) -> Result<Vec<Entry>, Failure> {
         return BUILT_IN.iter().map(|(id, text)| Entry::parse(text, id).map_err(Failure::input)).collect();
     }
     let mut entries: Vec<Entry> = Vec::new();
-    for wanted in &arguments.scenarios {
+    let all_silent = |wanted: &String| wanted == SILENT && !Path::new(wanted).exists();
+    let silent = BUILT_IN.iter().map(|(id, _)| *id).filter(|id| id.starts_with("silent-"));
+    let named = arguments
+        .scenarios
+        .iter()
+        .flat_map(|wanted| if all_silent(wanted) { silent.clone().collect() } else { vec![wanted.as_str()] });
+    for wanted in named {
         let entry = entry(wanted, arguments)?;
         if entries.iter().any(|known| known.id == entry.id) {
             return Err(Failure::input(format!("two scenarios are called `{}`: rename one", entry.id)));

@@ -26,9 +26,15 @@ pub(super) fn text(arena: &Arena, written: &Written) -> String {
          within two claimed standard errors, in the same order. 5 %: when the slowest parameter is within 5 % of the truth\n\
          for good. found: flights in which the damage was adopted, and after what time. false: changes adopted where there\n\
          was none. time: of computing, over that of {}{}; not reproducible.\n\
-         fail: flights without an estimate. -: never, or there is none.\n\n",
+         fail: flights without an estimate. -: never, or there is none.\n{}\n",
         arena.methods.first().map_or("", String::as_str),
-        microseconds(arena)
+        microseconds(arena),
+        if arena.entries.iter().any(|e| e.silent) {
+            "claimed: claimed standard errors over the errors, root mean squares, geometric mean over the parameters. without:\n\
+             what is covered at the last of the same flights by a model file that declares no uncertainty.\n"
+        } else {
+            ""
+        }
     );
     text.push_str("Where each method wins and loses\n");
     for sentence in &arena.findings.methods {
@@ -81,7 +87,15 @@ fn scenario(entry: &EntryResult) -> String {
         .unwrap_or_default();
     let mut heads = vec!["method".to_owned()];
     heads.extend(cycles.iter().map(|c| format!("err {c}")));
-    heads.extend(["worst", "covered", "5 %, s", "found", "in s", "false", "time", "fail"].map(str::to_owned));
+    heads.extend(["worst", "covered"].map(str::to_owned));
+    if entry.silent {
+        heads.extend(["claimed", "without"].map(str::to_owned));
+    }
+    heads.push("5 %, s".to_owned());
+    if entry.damaged {
+        heads.extend(["found", "in s"].map(str::to_owned));
+    }
+    heads.extend(["false", "time", "fail"].map(str::to_owned));
     let heads: Vec<&str> = heads.iter().map(String::as_str).collect();
     let mut table = Table::with_words(&heads, &[0, 1 + cycles.len()]);
     for method in &entry.methods {
@@ -109,10 +123,19 @@ fn row(entry: &EntryResult, method: &MethodResult) -> Vec<String> {
     );
     let covered = |c: &Checkpoint| c.coverage.map_or_else(|| "-".to_owned(), |c| format!("{:.0}", 100.0 * c.fraction));
     cells.push(method.checkpoints.iter().map(covered).collect::<Vec<_>>().join("/"));
+    if entry.silent {
+        let last = method.checkpoints.last();
+        let over = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), ratio);
+        cells.push(over(last.and_then(|c| c.claimed_over_actual)));
+        let fraction = last.and_then(|c| c.undeclared_coverage).map(|c| format!("{:.0}", 100.0 * c.fraction));
+        cells.push(fraction.unwrap_or_else(|| "-".to_owned()));
+    }
     let detection = &method.detection;
     cells.push(seconds(method.settled_median_s));
-    cells.push(if entry.damaged { format!("{}/{}", detection.found, detection.damaged) } else { String::new() });
-    cells.push(if entry.damaged { seconds(detection.latency_median_s) } else { String::new() });
+    if entry.damaged {
+        cells.push(format!("{}/{}", detection.found, detection.damaged));
+        cells.push(seconds(detection.latency_median_s));
+    }
     cells.push(detection.false_alarms.count.to_string());
     cells.push(significant(method.relative_time, 2));
     cells.push(method.failed.to_string());

@@ -1,15 +1,14 @@
 //! Physical errors of sensors, of the clock and of what is known of the aircraft, put into a healthy flight.
-//!
-//! Each function takes SI channels as the reader gives them, so that an error of a unit is the factor that a wrong header
-//! would make. Random sizes come from the seed alone.
 
-use phugoid_flight_data::record::{Quantity, Record};
+use phugoid_flight_data::record::Record;
 use phugoid_flight_data::statistics::{Rank, quantile};
 use phugoid_identification::axes::Axes;
-use phugoid_identification::model_file::{ModelFile, Source, Thrust};
+use phugoid_identification::model_file::{ModelFile, Thrust};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use serde::Serialize;
+
+use super::channels::{constant, delay, each, values};
 
 /// Kinds of errors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
@@ -233,36 +232,8 @@ impl Corruption {
 }
 
 /// A number below `count`, for the flight that the error of number `index` goes into.
-pub(super) fn draw_below(index: usize, count: usize) -> usize {
+pub(crate) fn draw_below(index: usize, count: usize) -> usize {
     Pcg64Mcg::seed_from_u64(0x666c_6967_6874 + index as u64).random_range(0..count)
-}
-
-/// The record read again as a file would be, so that the reader sees what is wrong with it too.
-///
-/// # Errors
-/// Why the reader does not take it any more.
-pub(super) fn reread(record: Record) -> Result<Record, String> {
-    let header = |name: &str, quantity: Quantity| match quantity {
-        Quantity::Number => name.to_owned(),
-        other => format!("{name}_{}", other.si_suffix()),
-    };
-    let mut columns = vec![("time_s".to_owned(), record.time)];
-    columns.extend(record.channels.into_iter().map(|c| (header(&c.name, c.quantity), c.values)));
-    Record::from_columns(&record.source, columns).map_err(|error| error.to_string())
-}
-
-pub(super) fn constant(source: &mut Source, factor: f64) {
-    if let Source::Constant(value) = source {
-        *value *= factor;
-    }
-}
-
-fn values<'a>(record: &'a mut Record, name: &str) -> &'a mut [f64] {
-    record.channels.iter_mut().find(|c| c.name == name).map_or(&mut [], |c| &mut c.values)
-}
-
-pub(super) fn each(record: &mut Record, name: &str, mut change: impl FnMut(f64) -> f64) {
-    values(record, name).iter_mut().for_each(|v| *v = change(*v));
 }
 
 fn scale(record: &mut Record, name: &str, factor: f64) {
@@ -293,27 +264,10 @@ fn stick(record: &mut Record, name: &str, part: f64) {
     }
 }
 
-/// Shows at each time what was true `delay_s` before (of a negative delay, after), straight between the samples; beyond them
-/// the first or the last value.
-pub(super) fn delay(record: &mut Record, name: &str, delay_s: f64) {
-    let time = record.time.clone();
-    let values = values(record, name);
-    let old: Vec<(f64, f64)> =
-        time.iter().copied().zip(values.iter().copied()).filter(|(_, v)| v.is_finite()).collect();
-    for (t, value) in time.iter().zip(values.iter_mut()).filter(|(_, v)| v.is_finite()) {
-        let wanted = t - delay_s;
-        let after = old.partition_point(|(known, _)| *known < wanted);
-        *value = match (after.checked_sub(1).map(|i| old[i]), old.get(after)) {
-            (Some((t0, v0)), Some((t1, v1))) => v0 + (v1 - v0) * (wanted - t0) / (t1 - t0),
-            (None, Some((_, first))) => *first,
-            (Some((_, last)), None) => last,
-            (None, None) => *value,
-        };
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    use phugoid_identification::model_file::Source;
+
     use super::*;
 
     fn record(values: Vec<f64>) -> Record {
