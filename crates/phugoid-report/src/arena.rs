@@ -109,7 +109,7 @@ fn coverage(arena: &Arena, checkpoint: usize) -> Figure {
 
 fn undeclared(arena: &Arena, checkpoint: usize) -> Figure {
     let title = format!("Coverage (%) where [uncertainty] declares nothing, after {}", cycles(arena, checkpoint));
-    let caption = "The same flights, with errors that leave no trace in residuals, and the same estimates: bounds of noise alone. What \
+    let caption = "The same flights, with errors that leave no trace in residuals, and bounds of noise alone. What \
                    the bounds hold with these errors declared is in the figures before.";
     let silent: Vec<&EntryResult> = arena.entries.iter().filter(|e| e.silent).collect();
     figure(arena, title, caption, &silent, |_, method| {
