@@ -132,7 +132,9 @@ fn structure(study: &StructureStudy) -> String {
 }
 
 fn text(study: &FieldStudy) -> String {
-    let mut text = String::new();
+    let mut text = study.drawn.map_or_else(String::new, |seed| {
+        format!("All errors that the model files declare are in every flight, drawn from seed {seed}.\n\n")
+    });
     for (title, summaries) in
         [("All flights", &study.all), ("By group of flights", &study.groups), ("By aircraft", &study.aircraft)]
     {

@@ -1,6 +1,6 @@
 //! Arena files: a scenario and a model in one, told as what differs from another one.
 
-use phugoid_identification::model_file::{Base, ModelFile, Thrust};
+use phugoid_identification::model_file::{Base, ModelFile, Source, Thrust};
 use serde::Deserialize;
 use toml::{Table, Value};
 
@@ -71,6 +71,14 @@ fn errors(mut table: Table, beside: &Table, model: &ModelFile, id: &str) -> Resu
             "an error of the thrust needs a thrust that is known: `thrust` under [model.aircraft] is \"trim\""
                 .to_owned(),
         ));
+    }
+    let aircraft = &model.aircraft;
+    for (key, size, source) in [("mass", sizes.mass, &aircraft.mass), ("inertia", sizes.inertia, &aircraft.iyy)] {
+        if let (true, Source::Channel(channel)) = (size > 0.0, source) {
+            return Err(refused(format!(
+                "an error of the {key} needs a number under [model.aircraft], which here is the channel `{channel}`"
+            )));
+        }
     }
     if sizes.centre_of_gravity > 0.0
         && (model.base == Base::Aircraft || (model.base == Base::F16 && model.aircraft.cg.is_none()))
@@ -201,6 +209,8 @@ mod tests {
         };
         let message = errors("thrust = 0.05", "calm");
         assert!(message.contains("mine [errors]") && message.contains("\"trim\""), "{message}");
+        let message = errors("mass = 0.05\n[model.aircraft]\nmass = { channel = \"mass\" }", "silent-none");
+        assert!(message.contains("an error of the mass needs a number"), "{message}");
         assert!(errors("mas = 0.05", "silent-none").contains("did you mean `mass`"));
         assert!(errors("drawn = 1", "silent-none").contains("true or false"));
         assert!(errors("learn = true", "silent-none").contains("`learn`"));

@@ -61,6 +61,8 @@ pub struct FieldOptions {
 pub struct FieldStudy {
     /// The part of the field.
     pub split: Split,
+    /// The seed of the errors that were put into every flight ([`FieldOptions::drawn`]); none where the flights are as they were flown.
+    pub drawn: Option<u64>,
     /// By method: all flights together, sound and faulty ones apart.
     pub all: Vec<GroupSummary>,
     /// By group of flights.
@@ -266,6 +268,7 @@ fn summarise(options: &FieldOptions, trials: Vec<Trial>) -> FieldStudy {
         .collect();
     FieldStudy {
         split: options.split,
+        drawn: options.drawn,
         all,
         groups: grouped(&|t| format!("{} {}", t.axes, t.group)),
         aircraft: grouped(&|t| t.aircraft.clone()),

@@ -267,8 +267,7 @@ mod tests {
         assert_eq!(Sizes::drawn(&Uncertainty::NONE, 7, |_| true), Sizes::NONE);
     }
 
-    /// The root mean square of 400 draws of each of 29 sites: within a hundredth of the declared sigma, four times the standard error
-    /// of that many.
+    /// The root mean square of 400 draws of each site is that of the declared sigma within four of its standard errors, `1/sqrt(2 n)`.
     #[test]
     fn what_is_drawn_has_the_declared_standard_deviation() {
         let declared = Uncertainty::UNSTATED;
