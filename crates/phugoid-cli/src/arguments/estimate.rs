@@ -46,8 +46,8 @@ pub(crate) struct Estimate {
     /// this a value counts the less the further from the model it is, or is left out where it stands alone
     #[arg(long)]
     pub(crate) gaussian: bool,
-    /// Where output error has the angles of attack and sideslip from. A simulation knows nothing of gusts: in turbulence
-    /// its angles are not those that made the forces
+    /// Where output error has airspeed and the angles of attack and sideslip from. A simulation knows nothing of gusts: in
+    /// turbulence its angles are not those that made the forces
     #[arg(long, value_enum, value_name = "SOURCE", default_value_t)]
     pub(crate) flow_angles: FlowAngleSource,
     /// Band of frequencies of a method in the frequency domain, Hz, such as 0.1:1.5 [default: from two periods in the
@@ -150,12 +150,13 @@ pub(crate) enum AxesForm {
 /// Where output error has the flow angles from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub(crate) enum FlowAngleSource {
-    /// Sideslip of the lateral-directional motion as measured where the air is not calm, which is said; else simulated
+    /// As measured where the air is not calm, without the noise that accelerations, rates and attitude tell from gusts,
+    /// which is said; else simulated
     #[default]
     Auto,
     /// From the simulation, and fitted to the vanes: the best estimate in calm air
     Simulated,
-    /// As the vanes have measured them, and not fitted
+    /// As measured, and not fitted
     Measured,
 }
 

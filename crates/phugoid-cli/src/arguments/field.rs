@@ -44,7 +44,7 @@ pub(crate) struct Field {
     /// this a value counts the less the further from the model it is, or is left out where it stands alone
     #[arg(long)]
     pub(crate) gaussian: bool,
-    /// Where output error has the angles of attack and sideslip from
+    /// Where output error has airspeed and the angles of attack and sideslip from
     #[arg(long, value_enum, value_name = "SOURCE", default_value_t)]
     pub(crate) flow_angles: FlowAngleSource,
     /// Look for missing terms instead: with the models of the field, and with each of their terms taken out. Needs a field

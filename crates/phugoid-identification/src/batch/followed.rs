@@ -1,4 +1,4 @@
-//! States that are not integrated but taken as measured: the flow angles in turbulence.
+//! States that are not integrated but taken as measured: airspeed and flow angles in turbulence.
 //!
 //! A free simulation has the motion that its model makes of the surfaces alone. In turbulence the aircraft moves by the
 //! gusts too, and a simulated angle of attack is not the one that made the forces and moments. Where the flow angles are

@@ -499,7 +499,8 @@ pub struct BatchReport {
     /// The band of a frequency-domain method; `None` of the others. Levels, fit and residuals are then those in the band.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub band: Option<BandUsed>,
-    /// True if output error took the angles of attack and sideslip as measured, and did not fit them.
+    /// True if output error took the angles of attack and sideslip as measured and did not fit them, and airspeed and attitude too
+    /// where gusts could be told from the noise of the vanes.
     #[serde(default)]
     pub measured_angles: bool,
     /// The prediction of another record with these parameters; `None` where none was given.

@@ -45,17 +45,19 @@ pub enum Likelihood {
     Gaussian,
 }
 
-/// Where output error has the flow angles from: the angle of attack, and the angle of sideslip.
+/// Where output error has the flow angles from, and with them airspeed and attitude, as far as they are states of the motion.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum FlowAngles {
-    /// The angle of sideslip of the lateral-directional motion as measured where the air is not calm (the residuals of the
-    /// simulated one are more than 1.3 times the noise of its vane), which is said; simulated otherwise. This is the default.
+    /// As measured where the air is not calm (gusts change an angle in a second by more than 0.56 sigmas of the noise of its vane,
+    /// by accelerations, rates and attitude), which is said; simulated otherwise. This is the default.
     #[default]
     Auto,
     /// Simulated: the maximum-likelihood estimate in calm air. Gusts bend it.
     Simulated,
-    /// As measured: the forces and moments then know of the gusts, and the angles themselves are not fitted.
+    /// As measured: the forces and moments then know of the gusts, and the angles themselves are not fitted. The noise of the
+    /// sensors is taken out where accelerations, rates and attitude tell it from gusts, and only then airspeed and attitude
+    /// are as measured too.
     Measured,
 }
 

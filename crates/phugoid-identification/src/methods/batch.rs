@@ -4,6 +4,7 @@ use phugoid_estimators::discretization::InputHold;
 use phugoid_estimators::{ParameterStatus, Phase, Status};
 use phugoid_flight_data::record::Record;
 
+use super::air_data::{WithAirData, with_air_data, with_outputs};
 use super::constants::systematic;
 use super::readiness::ColumnVerdict;
 use super::settings::{sample_time, shared_settings};
@@ -12,15 +13,14 @@ use crate::batch::{
     self, BatchError, BatchFit, BatchParameter, Bias, Equation, EquationErrorSettings, InitialState, Manoeuvre,
     ManoeuvreFit, Noise, OptimiserSettings, OutputChannel, ProcessNoise, Structure, Unknown, UnknownKind,
 };
-use crate::core::axes::Axes;
 use crate::core::error::EstimateError;
 use crate::core::estimation::{BatchReport, OtherValue, Prediction, PredictionInterval, SecondAnswer, Signal};
 use crate::core::method::Method;
-use crate::core::options::{Band, CAPACITY, FlowAngles};
-use crate::core::output::Output;
+use crate::core::options::{Band, CAPACITY};
 use crate::core::systematic::SystematicPart;
 use crate::model_file::{ByPowers, Parameter, Role};
 use crate::motion::MotionModel;
+use crate::preparation::air_data::smoothed;
 use crate::preparation::excitation::Excitation;
 use crate::preparation::prepare::prepare;
 use crate::preparation::prepared::Prepared;
@@ -58,8 +58,13 @@ pub(super) fn run_batch<M: MotionModel<N, R, CAPACITY>, const N: usize, const R:
         .collect();
     let structure = structure::<M, N, R>(task)?;
     let regression = EquationErrorSettings::automatic(sample_time(&prepared.time));
-    let Solved { mut fit, equations, second_answer, no_second_answer, structure, measured_angles } =
-        solve::<M, N, R>(task, &manoeuvres, structure, &regression)?;
+    let Solved { mut fit, equations, second_answer, no_second_answer, structure, flown } =
+        solve::<M, N, R>(task, (&manoeuvres, &further), structure, &regression)?;
+    let measured_angles = flown.is_some();
+    let manoeuvres = match &flown {
+        Some(flown) => with_outputs(&manoeuvres, flown),
+        None => manoeuvres,
+    };
     let systematic = match task.follows_constants() {
         true => systematic::<M, N, R>(task, &manoeuvres, &structure, &regression, &fit),
         false => None,
@@ -185,8 +190,8 @@ struct Solved<const N: usize, const R: usize> {
     fit: BatchFit,
     /// What was unknown in the end.
     structure: Structure<N, R>,
-    /// Whether flow angles were taken as measured.
-    measured_angles: bool,
+    /// The outputs by manoeuvre and sample if airspeed and flow angles were taken as measured.
+    flown: Option<Vec<Vec<[f64; R]>>>,
     /// Of equation error.
     equations: Vec<Equation>,
     /// By equation error, of the other methods.
@@ -196,7 +201,7 @@ struct Solved<const N: usize, const R: usize> {
 
 fn solve<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
     task: &Task<M, N, R>,
-    manoeuvres: &[Manoeuvre<'_, N, R>],
+    (manoeuvres, further): (&[Manoeuvre<'_, N, R>], &[Prepared<M, N, R>]),
     structure: Structure<N, R>,
     regression: &EquationErrorSettings,
 ) -> Result<Solved<N, R>, EstimateError> {
@@ -211,7 +216,7 @@ fn solve<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
     // error is enough.
     let step_tolerance = if method == Method::FilterError { 0.02 } else { 1e-3 };
     let search = OptimiserSettings { step_tolerance, ..OptimiserSettings::default() };
-    let integrating = |structure: &Structure<N, R>| match method {
+    let integrating = |manoeuvres: &[Manoeuvre<'_, N, R>], structure: &Structure<N, R>| match method {
         Method::FilterError => {
             let settings = shared_settings::<M, N, R, CAPACITY>(task.prepared, task.file, task.options, task.noise)
                 .map_err(|e| BatchError::BadInput(e.to_string()))?;
@@ -228,7 +233,7 @@ fn solve<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
         return Ok(Solved {
             fit: found.fit,
             structure,
-            measured_angles: false,
+            flown: None,
             equations: found.equations,
             second_answer: None,
             no_second_answer: None,
@@ -245,7 +250,7 @@ fn solve<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
     // A simulation needs constants too, which a band does not give.
     let regressed = if band.is_some() { by_sample().ok() } else { regressed };
     let cost = |fit: &BatchFit| fit.iterations.last().map_or(f64::INFINITY, |i| i.cost);
-    let searched = |structure: &Structure<N, R>| -> Result<BatchFit, BatchError> {
+    let searched = |manoeuvres: &[Manoeuvre<'_, N, R>], structure: &Structure<N, R>| -> Result<BatchFit, BatchError> {
         let nearer = regressed.as_ref().map(|found| {
             let mut nearer = structure.clone();
             for (parameter, value) in nearer.parameters.iter_mut().zip(&found.fit.parameters) {
@@ -254,13 +259,13 @@ fn solve<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
             nearer
         });
         match (method, nearer) {
-            (_, None) => integrating(structure),
+            (_, None) => integrating(manoeuvres, structure),
             // One search takes seconds, and one that starts from the regression cannot end above it.
-            (Method::FilterError, Some(nearer)) => integrating(&nearer).or_else(|failure| match failure {
+            (Method::FilterError, Some(nearer)) => integrating(manoeuvres, &nearer).or_else(|failure| match failure {
                 BatchError::BadInput(_) | BatchError::Singular { .. } => Err(failure),
-                _ => integrating(structure),
+                _ => integrating(manoeuvres, structure),
             }),
-            (_, Some(nearer)) => match (integrating(structure), integrating(&nearer)) {
+            (_, Some(nearer)) => match (integrating(manoeuvres, structure), integrating(manoeuvres, &nearer)) {
                 (Ok(fit), Ok(other)) if cost(&other) < cost(&fit) - NOTICEABLE => Ok(noted(
                     other,
                     "a lower minimum was found from the values of equation error than from those of the model file",
@@ -276,85 +281,15 @@ fn solve<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
             },
         }
     };
-    let (fit, structure, measured_angles) = match method {
-        Method::OutputError => with_flow_angles::<M, N, R>(task, manoeuvres, structure, searched)?,
-        _ => (searched(&structure)?, structure, false),
-    };
-    Ok(Solved { fit, structure, measured_angles, equations: Vec::new(), second_answer, no_second_answer })
-}
-
-/// Output error with the flow angles that the options ask for, what was unknown with them, and whether they were taken as measured; `searched` finds its minimum
-/// from all starts. Costs with simulated and with measured angles are of different outputs and are not compared.
-fn with_flow_angles<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
-    task: &Task<M, N, R>,
-    manoeuvres: &[Manoeuvre<'_, N, R>],
-    structure: Structure<N, R>,
-    searched: impl Fn(&Structure<N, R>) -> Result<BatchFit, BatchError>,
-) -> Result<(BatchFit, Structure<N, R>, bool), BatchError> {
-    let simulated = || Ok((searched(&structure)?, structure.clone(), false));
-    let angles = measured_flow_angles::<M, N, R>(manoeuvres);
-    let names: Vec<&str> = angles.iter().map(|&row| M::AXES.outputs()[row].name()).collect();
-    let measured = |note: &str| {
-        let mut following = structure.clone();
-        for &row in &angles {
-            following.states[row] = InitialState::measured(M::AXES.outputs()[row].name());
-            following.outputs[row].bias = Bias::None;
+    let (fit, structure, flown) = match method {
+        Method::OutputError => {
+            let WithAirData { fit, structure, flown } =
+                with_air_data::<M, N, R>(task, (manoeuvres, further), structure, searched)?;
+            (fit, structure, flown)
         }
-        let mut fit = searched(&following)?;
-        for &row in &angles {
-            fit.noise_std[row] = task.noise[row].std;
-        }
-        Ok((noted(fit, &format!("{} taken as measured, and not fitted{note}", names.join(" and "))), following, true))
+        _ => (searched(manoeuvres, &structure)?, structure, None),
     };
-    // The residuals of the simulated angles over the noise of their vanes, the largest of them.
-    let above = |fit: &BatchFit| {
-        let ratio = |row: &usize| fit.noise_std[*row] / task.noise[*row].std;
-        angles.iter().map(ratio).fold(0.0, f64::max)
-    };
-    let gusts = |above: f64| {
-        format!(
-            "the residuals of a simulation are {above:.1} times their noise, as gusts or an error of the model make them"
-        )
-    };
-    match task.options.flow_angles {
-        _ if angles.is_empty() => simulated(),
-        // On foreign flights in turbulence the measured sideslip brings errors of 6 and 10 % to 1 %. A measured angle of attack
-        // halves those of lift and drag there, and its noise bends the small derivatives: Cm_q is then worse than simulated.
-        FlowAngles::Auto if M::AXES == Axes::LateralDirectional => {
-            let fit = simulated();
-            match fit.as_ref().ok().map(|(fit, ..)| above(fit)) {
-                Some(above) if above <= CALM => fit,
-                Some(above) => measured(&format!(": {}", gusts(above))).or(fit),
-                None => measured(": a simulation of them found no minimum").or(fit),
-            }
-        }
-        FlowAngles::Auto | FlowAngles::Simulated => simulated().map(|(fit, structure, measured)| match above(&fit) {
-            above if above > CALM => {
-                let said = format!(
-                    "{} simulated: {}. Output error has no gusts in it, so that its errors and bounds are often several times those \
-                     of a method that has: compare with --method filter-error",
-                    names.join(" and "),
-                    gusts(above)
-                );
-                (noted(fit, &said), structure, measured)
-            }
-            _ => (fit, structure, measured),
-        }),
-        FlowAngles::Measured => measured(""),
-    }
-}
-
-/// Residuals of a simulated flow angle over the noise of its vane from which on the air does not count as calm. They are at most
-/// 1.25 on the calm lateral flights of the field's develop part, and at least 1.5 in light turbulence (0.8 m/s one sigma).
-const CALM: f64 = 1.3;
-
-/// The rows of the angles of attack and sideslip that are states and measured in every record.
-fn measured_flow_angles<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
-    manoeuvres: &[Manoeuvre<'_, N, R>],
-) -> Vec<usize> {
-    let angle = |row: &usize| matches!(M::AXES.outputs()[*row], Output::Alpha | Output::Beta);
-    let known = |row: &usize| manoeuvres.iter().all(|m| m.outputs.iter().any(|y| y[*row].is_finite()));
-    (0..N).filter(angle).filter(known).collect()
+    Ok(Solved { fit, structure, flown, equations: Vec::new(), second_answer, no_second_answer })
 }
 
 /// The band that is asked for, or in which the record tells something.
@@ -405,7 +340,14 @@ fn predict<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
     fit: &BatchFit,
 ) -> Result<Prediction, EstimateError> {
     let prepared: Prepared<M, N, R> = prepare(record, task.file)?;
-    let manoeuvre = [manoeuvre::<M, N, R>(&record.source, &prepared)];
+    let mut manoeuvre = [manoeuvre::<M, N, R>(&record.source, &prepared)];
+    let air_data = match structure.states.iter().any(|state| state.measured) {
+        true => smoothed(&prepared, task.file.aircraft.gravity, structure.maximum_gap_s),
+        false => None,
+    };
+    if let Some(air_data) = &air_data {
+        manoeuvre[0].outputs = &air_data.outputs;
+    }
     let mut held = structure.clone();
     for channel in &mut held.outputs {
         channel.noise = Noise::Estimated;

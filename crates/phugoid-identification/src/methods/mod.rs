@@ -1,5 +1,6 @@
 //! The methods: causal ones sample by sample, batch ones over whole records, behind one call.
 
+mod air_data;
 mod batch;
 mod causal;
 mod changes;

@@ -1,12 +1,7 @@
 //! Smoothed states for the regression methods, from kinematics alone.
 //!
-//! Rate gyros and accelerometers say how airspeed, flow angles and attitude change, without any aerodynamics:
-//!
-//! ```text
-//! V' = f_V(ax, ay, az),   alpha' = q + f_a(ax, az)/V + ...,   beta' = ...,   phi' = p + ...,   theta' = q cos(phi) - r sin(phi)
-//! ```
-//!
-//! (Stevens & Lewis, table 2.5-1). Each of these states is integrated and drawn towards its own measurement with the
+//! Rate gyros and accelerometers say how airspeed, flow angles and attitude change, without any aerodynamics
+//! ([`super::kinematics`]). Each of these states is integrated and drawn towards its own measurement with the
 //! gain `max(1/(k+1), 1 - e^{-b h})` at its `k`-th measurement: the mean of all at first, a filter of corner `b` later.
 //!
 //! **The corner.** With sensors alone it is the stationary Kalman gain of a random walk, `b = sqrt((s_i^2 h + Q)/(s^2 h))`,
@@ -31,9 +26,7 @@ use phugoid_estimators::settings::{EstimatorSettings, NoiseAdaptation};
 
 use crate::core::output::{CHANNELS, Output};
 use crate::motion::Motion;
-
-/// The states that kinematics integrates.
-const INTEGRATED: [Output; 5] = [Output::TrueAirspeed, Output::Alpha, Output::Beta, Output::Phi, Output::Theta];
+use crate::preparation::kinematics::{INTEGRATED, rates};
 
 /// Number of filters that run beside each other for a state where the process noise may adapt.
 const CANDIDATES: usize = 8;
@@ -233,30 +226,6 @@ impl<M: Motion<N, R>, const N: usize, const R: usize> KinematicFrontEnd<M, N, R>
             filters.set(if measured.is_finite() { corner } else { 0.0 }, self.adapts, self.sample_time_s);
         }
     }
-
-    /// Rates of the integrated states at a frame, per second.
-    fn rates(&self, c: &[f64; CHANNELS]) -> [f64; 5] {
-        let at = |channel: Output| c[channel.index()];
-        let (speed, [p, q, r]) =
-            (at(Output::TrueAirspeed), [Output::RollRate, Output::PitchRate, Output::YawRate].map(at));
-        let (sin_alpha, cos_alpha) = at(Output::Alpha).sin_cos();
-        let (sin_beta, cos_beta) = at(Output::Beta).sin_cos();
-        let (sin_phi, cos_phi) = at(Output::Phi).sin_cos();
-        let (sin_theta, cos_theta) = at(Output::Theta).sin_cos();
-        let (u, v, w) = (speed * cos_alpha * cos_beta, speed * sin_beta, speed * sin_alpha * cos_beta);
-        let g = self.gravity;
-        let u_rate = r * v - q * w - g * sin_theta + at(Output::Ax);
-        let v_rate = p * w - r * u + g * sin_phi * cos_theta + at(Output::Ay);
-        let w_rate = q * u - p * v + g * cos_phi * cos_theta + at(Output::Az);
-        let in_plane = cos_alpha * u_rate + sin_alpha * w_rate;
-        [
-            in_plane * cos_beta + v_rate * sin_beta,
-            (cos_alpha * w_rate - sin_alpha * u_rate) / (speed * cos_beta),
-            (v_rate * cos_beta - in_plane * sin_beta) / speed,
-            p + (q * sin_phi + r * cos_phi) * sin_theta / cos_theta,
-            q * cos_phi - r * sin_phi,
-        ]
-    }
 }
 
 impl<M: Motion<N, R>, const N: usize, const R: usize> StateSource<M::KnownInput, N, R> for KinematicFrontEnd<M, N, R> {
@@ -280,14 +249,14 @@ impl<M: Motion<N, R>, const N: usize, const R: usize> StateSource<M::KnownInput,
             None => M::known_channel(step.input_after, channel).unwrap_or(0.0),
         });
         // The integrated states at the end, by Heun's rule with the rates measured at both ends.
-        let before = self.rates(&self.last);
+        let before = rates(&self.last, self.gravity);
         let mut ahead = now;
         for (state, rate) in INTEGRATED.iter().zip(&before) {
             if self.rows[state.index()].is_some() {
                 ahead[state.index()] = self.last[state.index()] + h * rate;
             }
         }
-        let after = self.rates(&ahead);
+        let after = rates(&ahead, self.gravity);
         for (i, state) in INTEGRATED.iter().enumerate() {
             let Some(row) = self.rows[state.index()] else { continue };
             let integrated = self.last[state.index()] + 0.5 * h * (before[i] + after[i]);

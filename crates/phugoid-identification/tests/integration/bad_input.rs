@@ -7,8 +7,9 @@ use common::f16::{TRUTH, channel, fly, model, unbiased};
 use phugoid_flight_data::record::{Quantity, Record};
 use phugoid_identification::axes::Axes;
 use phugoid_identification::estimate::{EstimateError, EstimateOptions, Method, capacity, estimate};
-use phugoid_identification::estimation::Estimation;
+use phugoid_identification::estimation::{Estimation, FinalStatus};
 use phugoid_identification::model_file::ModelFile;
+use phugoid_identification::options::FlowAngles;
 use proptest::prelude::*;
 
 const AMPLITUDE: f64 = 0.026; // 1.5 deg
@@ -146,15 +147,26 @@ fn twenty_sigma_outliers_do_not_matter_and_are_counted() {
     assert!(said(&estimation, &["samples of alpha", "outliers"]), "{:?}", estimation.verdict);
 }
 
-/// A second of wrong accelerations: output error, which knows no disturbance, names the method that does.
+/// A second of wrong accelerations: output error, which knows no disturbance, names the method that does, where it simulates. With
+/// measured air data the sensor itself is named: its error is none of the air.
 #[test]
 fn output_error_names_the_method_that_allows_for_disturbances() {
     let mut record = fly(15.0, AMPLITUDE, 3);
     values(&mut record, "az")[300..380].iter_mut().for_each(|v| *v += 10.0);
-    let options = EstimateOptions { method: Some(Method::OutputError), ..EstimateOptions::default() };
-    let found = estimate(&record, &model(), &options, &mut |_| {}).unwrap();
+    let run = |flow_angles| {
+        let options = EstimateOptions { method: Some(Method::OutputError), flow_angles, ..EstimateOptions::default() };
+        estimate(&record, &model(), &options, &mut |_| {}).unwrap()
+    };
+    let found = run(FlowAngles::Simulated);
     let said = found.reasons.iter().find(|r| r.sentence.contains("more than six sigmas away")).unwrap();
     assert!(said.sentence.contains("az") && said.sentence.contains("filter-error"), "{}", said.sentence);
+    let found = run(FlowAngles::Auto);
+    assert!(found.parameters.iter().all(|p| p.converged_at_s.is_none() && p.status != FinalStatus::Converged));
+    assert!(
+        found.reasons.iter().any(|r| r.sentence.contains("check scale, bias and mounting of az")),
+        "{:?}",
+        found.reasons
+    );
 }
 
 #[test]

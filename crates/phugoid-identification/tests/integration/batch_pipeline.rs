@@ -6,6 +6,7 @@ use crate::common;
 use common::f16::{TRUTH, fly, model};
 use phugoid_identification::estimate::{EstimateOptions, Method, estimate};
 use phugoid_identification::estimation::Estimation;
+use phugoid_identification::options::FlowAngles;
 
 fn run(method: Method, options: EstimateOptions) -> Estimation {
     let options = EstimateOptions { method: Some(method), ..options };
@@ -41,21 +42,32 @@ fn every_batch_method_finds_the_f16() {
     }
 }
 
+/// In gusts output error takes airspeed and flow angles as measured, and says so; a simulation that was asked for names the method that
+/// has gusts in it. In calm air neither is said.
 #[test]
-fn output_error_in_gusts_names_the_method_that_has_them() {
+fn output_error_in_gusts_says_where_its_air_data_are_from() {
     let mut record = fly(12.0, 0.026, 31);
-    let said = |record: &_| {
-        let options = EstimateOptions { method: Some(Method::OutputError), ..EstimateOptions::default() };
+    let said = |record: &_, flow_angles| {
+        let options = EstimateOptions { method: Some(Method::OutputError), flow_angles, ..EstimateOptions::default() };
         let found = estimate(record, &model(), &options, &mut |_| {}).unwrap();
-        found.verdict.into_iter().find(|sentence| sentence.starts_with("Alpha simulated"))
+        assert!(found.verdict.iter().all(|sentence| !sentence.contains("NaN")), "{:?}", found.verdict);
+        let is_followed = found.batch.unwrap().measured_angles;
+        let about = |sentence: &String| sentence.contains("as measured") || sentence.starts_with("Alpha simulated");
+        (is_followed, found.verdict.into_iter().find(about))
     };
-    assert_eq!(said(&record), None);
+    for flow_angles in [FlowAngles::Auto, FlowAngles::Simulated] {
+        assert_eq!(said(&record, flow_angles), (false, None));
+    }
     // What the vane shows of gusts that the aircraft is too slow to follow.
     let time = record.time.clone();
     let alpha = record.channels.iter_mut().find(|channel| channel.name == "alpha").unwrap();
     alpha.values.iter_mut().zip(time).for_each(|(alpha, t)| *alpha += 0.01 * (4.0 * t).sin());
-    let sentence = said(&record).unwrap();
-    assert!(sentence.contains("times their noise") && sentence.contains("filter-error"), "{sentence}");
+    let (is_followed, sentence) = said(&record, FlowAngles::Simulated);
+    let sentence = sentence.unwrap();
+    assert!(!is_followed && sentence.contains("times their noise") && sentence.contains("filter-error"), "{sentence}");
+    let (is_followed, sentence) = said(&record, FlowAngles::Auto);
+    let sentence = sentence.unwrap();
+    assert!(is_followed && sentence.starts_with("True_airspeed, alpha and theta taken as measured"), "{sentence}");
 }
 
 #[test]

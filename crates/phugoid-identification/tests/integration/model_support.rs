@@ -10,12 +10,14 @@ use phugoid_identification::estimate::{EstimateOptions, Method, estimate};
 use phugoid_identification::inspect::{ModelSupport, model_support};
 use phugoid_identification::manoeuvres::{Settings, Support, find};
 use phugoid_identification::model_file::ModelFile;
+use phugoid_identification::options::FlowAngles;
 
 fn support(record: &Record, model: &ModelFile) -> ModelSupport {
     model_support(record, &find(record, &Settings::default()), model)
 }
 
-/// By parameter: expected error over that of output error on the same manoeuvres.
+/// By parameter: expected error over that of output error on the same manoeuvres, whose air data are simulated, as those of the
+/// bound are.
 fn ratios(record: &Record, model: &ModelFile, support: &ModelSupport) -> Vec<(String, f64)> {
     let found = find(record, &Settings::default());
     let mut ratios = Vec::new();
@@ -26,8 +28,12 @@ fn ratios(record: &Record, model: &ModelFile, support: &ModelSupport) -> Vec<(St
         };
         let mut parts: Vec<Record> = segment.manoeuvres.iter().map(part).collect();
         let first = parts.remove(0);
-        let options =
-            EstimateOptions { method: Some(Method::OutputError), further: parts, ..EstimateOptions::default() };
+        let options = EstimateOptions {
+            method: Some(Method::OutputError),
+            further: parts,
+            flow_angles: FlowAngles::Simulated,
+            ..EstimateOptions::default()
+        };
         let estimation = estimate(&first, model, &options, &mut |_| {}).unwrap();
         for p in &segment.parameters {
             let given = estimation.parameters.iter().find(|e| e.name == p.bound.name).unwrap();
