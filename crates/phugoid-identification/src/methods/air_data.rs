@@ -123,6 +123,9 @@ pub(super) fn with_air_data<M: MotionModel<N, R, CAPACITY>, const N: usize, cons
 /// turbulence (0.8 m/s one sigma), 1.75.
 const CALM: f64 = 0.56;
 
+/// From there on next to no noise was found.
+const SMALL_NOISE: f64 = 100.0;
+
 /// Residuals of a simulated flow angle over the noise of its vane from which on something is missing in the simulation. They are at
 /// most 1.25 on the calm lateral flights of the field's develop part, and at least 1.5 in light turbulence.
 const CALM_RESIDUALS: f64 = 1.3;

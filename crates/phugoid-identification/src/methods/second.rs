@@ -1,5 +1,5 @@
-//! A second answer: the same record by a method of another kind. Beside equation error and the recursive regressions stands a
-//! filter, beside a filter equation error.
+//! A second answer: the same record by a method of another kind. Beside equation error, output error with measured air data and the
+//! recursive regressions stands a filter, beside a filter and output error with simulated air data equation error.
 //!
 //! Equation error and the regressions take the states as measured or smoothed, and solve each equation by itself. A filter weighs the measured states
 //! against the motion that all equations make together. A sensor that is late, a term that the model lacks, or gusts bend the

@@ -1,4 +1,4 @@
-//! Equation error with a filter beside it, on a real flight: HFB-320, whose angle of attack comes about 0.2 s late by its
+//! Equation error, and output error with measured air data, with a filter beside them, on a real flight: HFB-320, whose angle of attack comes about 0.2 s late by its
 //! kinematics (docs/methods.md).
 
 use crate::common;
@@ -51,6 +51,18 @@ fn no_number_of_equation_error_differs_from_filter_error_without_a_word() {
         assert_eq!(second.method, Method::Smpe);
         assert!(reason.sentence.contains("by smpe"), "{}", reason.sentence);
     }
+}
+
+/// Output error takes the measured angle of attack, whose delay looks like gusts, and is bent by it as equation error is.
+#[test]
+fn output_error_with_a_late_vane_is_held_against_the_filter() {
+    let Some(record) = flight() else { return };
+    let found = by(Method::OutputError, &record);
+    assert!(found.batch.as_ref().unwrap().measured_angles);
+    let reason = found.reasons.iter().find(|reason| reason.code == ReasonCode::MethodsDisagree).unwrap();
+    assert!(reason.concerns == ["Cm_q"] && reason.sentence.contains("by smpe"), "{}", reason.sentence);
+    assert_eq!(found.status, EstimationStatus::Doubtful);
+    assert_eq!(elsewhere(&found, &by(Method::FilterError, &record)), []);
 }
 
 /// The record with its angle of attack so many samples earlier.
