@@ -49,8 +49,8 @@ pub enum Likelihood {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum FlowAngles {
-    /// As measured where the air is not calm (gusts change an angle in a second by more than 0.56 sigmas of the noise of its vane,
-    /// by accelerations, rates and attitude), which is said; simulated otherwise. This is the default.
+    /// As measured where the air is not calm (gusts change an angle in a second by more than 0.56 sigmas of the noise of its vane
+    /// and 0.08 degrees, by accelerations, rates and attitude), which is said; simulated otherwise. This is the default.
     #[default]
     Auto,
     /// Simulated: the maximum-likelihood estimate in calm air. Gusts bend it.

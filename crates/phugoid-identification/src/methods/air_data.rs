@@ -45,7 +45,7 @@ pub(super) fn with_air_data<M: MotionModel<N, R, CAPACITY>, const N: usize, cons
         let of = |prepared| smoothed(prepared, task.file.aircraft.gravity, structure.maximum_gap_s);
         std::iter::once(task.prepared).chain(further).map(of).collect()
     };
-    let wander = clean.as_ref().map(|all| all.iter().map(|one| one.gusts).fold(0.0, f64::max));
+    let gusts = clean.iter().flatten().filter_map(|one| one.gusts).reduce(f64::max);
     let measured = |why: &str| {
         // The attitude makes nothing but rates of airspeed and flow angles, which are not integrated then, and is itself the
         // integral of the rates with all that gusts do to them.
@@ -94,20 +94,22 @@ pub(super) fn with_air_data<M: MotionModel<N, R, CAPACITY>, const N: usize, cons
         }
         found
     };
-    match (task.options.flow_angles, wander) {
+    match (task.options.flow_angles, gusts) {
         _ if angles.is_empty() => simulated(),
         (FlowAngles::Simulated, _) => simulated().map(warned),
         (FlowAngles::Measured, _) => measured(""),
-        (FlowAngles::Auto, Some(wander)) if wander > CALM => {
-            let why =
-                format!(": gusts change the angles by {wander:.1} sigmas of the noise of their vanes in a second");
+        (FlowAngles::Auto, Some(gusts)) => {
+            let sigmas = if gusts < SMALL_NOISE { format!("{gusts:.1}") } else { format!("more than {SMALL_NOISE}") };
+            let why = format!(
+                ": gusts, or a sensor that is late, change the angles by {sigmas} sigmas of the noise of their vanes in a second"
+            );
             measured(&why).or_else(|_| simulated().map(warned))
         }
-        (FlowAngles::Auto, _) => {
+        (FlowAngles::Auto, None) => {
             let found = simulated();
             let why = match found.as_ref().ok().map(|found| above(&found.fit)) {
                 None => "a simulation of them found no minimum".to_owned(),
-                // Without its noise a measured angle of attack bends the small derivatives less than gusts do, with it Cm_q more.
+                // With the noise of its vane a measured angle of attack bends Cm_q more than gusts do, the sideslip nothing as much.
                 Some(above) if above > CALM_RESIDUALS && clean.is_none() && M::AXES == Axes::LateralDirectional => {
                     by_residuals(above)
                 }
@@ -117,11 +119,6 @@ pub(super) fn with_air_data<M: MotionModel<N, R, CAPACITY>, const N: usize, cons
         }
     }
 }
-
-/// By how much gusts change a flow angle in a second, in sigmas of the noise of its vane, from which on the air does not count as
-/// calm: in the middle between the largest on the calm flights of the field's develop part, 0.18, and the smallest in light
-/// turbulence (0.8 m/s one sigma), 1.75.
-const CALM: f64 = 0.56;
 
 /// From there on next to no noise was found.
 const SMALL_NOISE: f64 = 100.0;

@@ -32,14 +32,23 @@ fn drift_std(output: Output) -> Option<f64> {
 /// of the square root of ten from 1e-4 to 1e6.
 const RATIOS: std::ops::RangeInclusive<i32> = -8..=12;
 
+/// By how much gusts change a flow angle in a second, in sigmas of the noise of its vane, up to which the air counts as calm: in the
+/// middle between the largest on the calm flights of the field's develop part, 0.18, and the smallest in light turbulence (0.8 m/s one
+/// sigma), 1.75.
+const CALM: f64 = 0.56;
+
+/// The same in rad, likewise between 0.036 and 0.18 degrees: a record without noise is not in gusts because its angles are not quite
+/// those that its samples of the rates add up to.
+const CALM_RAD: f64 = 0.08 * std::f64::consts::PI / 180.0;
+
 /// A record without the noise of airspeed and flow angles.
 #[derive(Clone, Debug)]
 pub(crate) struct AirData<const R: usize> {
     /// The outputs by sample, with airspeed and flow angles smoothed where they are outputs of the motion; all else is as
     /// measured. NaN from a beginning on after which nothing measures a signal.
     pub(crate) outputs: Vec<[f64; R]>,
-    /// By how much gusts change the flow angles in a second, in sigmas of the noise of the vane, the larger one.
-    pub(crate) gusts: f64,
+    /// By how much gusts change a flow angle in a second, in sigmas of the noise of its vane, the larger one; none in calm air.
+    pub(crate) gusts: Option<f64>,
 }
 
 /// Smooths airspeed and flow angles. None where the kinematics miss a channel of the motion. `gravity` in m/s^2; across an
@@ -60,7 +69,7 @@ pub(crate) fn smoothed<M: Motion<N, R>, const N: usize, const R: usize>(
     }
     let rates: Vec<[f64; 5]> = channels.iter().map(|channels| rates(channels, gravity)).collect();
     let mut outputs = prepared.outputs.clone();
-    let mut gusts: f64 = 0.0;
+    let mut gusts: Option<f64> = None;
     for (i, output) in INTEGRATED.into_iter().enumerate() {
         let (Some(drift_std), Some(row)) = (drift_std(output), M::AXES.row(output)) else { continue };
         let rate: Vec<f64> = rates.iter().map(|rates| rates[i]).collect();
@@ -70,11 +79,12 @@ pub(crate) fn smoothed<M: Motion<N, R>, const N: usize, const R: usize>(
         let clean = without_outliers(&measured, noise.std);
         let filter = Filter { time_s: &prepared.time, rate: &filled(&rate)?, measured: &clean, maximum_gap_s };
         let drift_variance = (drift_std / noise.std).powi(2);
-        let (values, ratio) = filter.most_likely(noise.std, drift_variance);
-        if output != Output::TrueAirspeed {
-            gusts = gusts.max(ratio.sqrt());
+        let smoothed = filter.most_likely(noise.std, drift_variance);
+        let sigmas = smoothed.ratio.sqrt();
+        if output != Output::TrueAirspeed && sigmas > CALM && sigmas * smoothed.noise_std > CALM_RAD {
+            gusts = Some(gusts.map_or(sigmas, |larger| larger.max(sigmas)));
         }
-        for (output, value) in outputs.iter_mut().zip(values) {
+        for (output, value) in outputs.iter_mut().zip(smoothed.values) {
             output[row] = value;
         }
     }
@@ -122,6 +132,15 @@ struct Filter<'a> {
     maximum_gap_s: f64,
 }
 
+/// A signal without its noise.
+struct Smoothed {
+    values: Vec<f64>,
+    /// The most likely ratio of the variance of the random walk, per second, to that of the measurement.
+    ratio: f64,
+    /// One sigma of the measurement with this ratio.
+    noise_std: f64,
+}
+
 /// State and covariance before and after the measurement of a sample.
 struct Step {
     /// From the sample before; none where the signal begins anew.
@@ -134,20 +153,20 @@ struct Step {
 const UNKNOWN: f64 = 1e4;
 
 impl Filter<'_> {
-    /// The smoothed signal with the most likely ratio of the noises, and this ratio, 1/s. `scale`: one sigma of the measurement, of which only the
-    /// size matters.
-    fn most_likely(&self, scale: f64, drift_variance: f64) -> (Vec<f64>, f64) {
+    /// The signal with the most likely ratio of the noises. `scale`: one sigma of the measurement, of which only the size matters.
+    fn most_likely(&self, scale: f64, drift_variance: f64) -> Smoothed {
         let ratio = |power: i32| 10.0_f64.powf(0.5 * f64::from(power));
-        let cost = |power: &i32| self.run(ratio(*power), scale, drift_variance, &mut |_| {});
+        let cost = |power: &i32| self.run(ratio(*power), scale, drift_variance, &mut |_| {}).0;
         let costs: Vec<(i32, f64)> = RATIOS.map(|power| (power, cost(&power))).collect();
         let best = costs.iter().min_by(|(_, a), (_, b)| a.total_cmp(b)).map_or(0, |(power, _)| *power);
         let mut steps = Vec::with_capacity(self.time_s.len());
-        self.run(ratio(best), scale, drift_variance, &mut |step| steps.push(step));
-        (smooth(&steps), ratio(best))
+        let (_, square) = self.run(ratio(best), scale, drift_variance, &mut |step| steps.push(step));
+        Smoothed { values: smooth(&steps), ratio: ratio(best), noise_std: scale * square.sqrt() }
     }
 
-    /// Runs the filter; gives twice the negative logarithm of the likelihood with the most likely size of both noises.
-    fn run(&self, ratio: f64, scale: f64, drift_variance: f64, each: &mut dyn FnMut(Step)) -> f64 {
+    /// Runs the filter; gives twice the negative logarithm of the likelihood with the most likely size of both noises, and the variance
+    /// of the measurement of that size, in units of `scale` squared.
+    fn run(&self, ratio: f64, scale: f64, drift_variance: f64, each: &mut dyn FnMut(Step)) -> (f64, f64) {
         let (mut x, mut p) = (Vector2::zeros(), Matrix2::zeros());
         let (mut logarithms, mut squares, mut count) = (0.0, 0.0, 0.0);
         for k in 0..self.time_s.len() {
@@ -179,7 +198,7 @@ impl Filter<'_> {
             }
             each(Step { transition, predicted, filtered: (x, p) });
         }
-        logarithms + count * (squares / count).ln()
+        (logarithms + count * (squares / count).ln(), squares / count)
     }
 }
 
@@ -234,7 +253,7 @@ mod tests {
     }
 
     impl Signal {
-        fn smoothed(&self) -> (Vec<f64>, f64) {
+        fn smoothed(&self) -> Smoothed {
             let filter =
                 Filter { time_s: &self.time_s, rate: &self.rate, measured: &self.measured, maximum_gap_s: 1.0 };
             filter.most_likely(NOISE, (0.02 / NOISE).powi(2))
@@ -254,13 +273,14 @@ mod tests {
     fn the_noise_is_told_from_gusts_and_a_drift_of_the_rate() {
         for gusts in [2.0, 5.0] {
             let signal = signal(gusts);
-            let (values, ratio) = signal.smoothed();
+            let Smoothed { values, ratio, noise_std } = signal.smoothed();
             let (error, expected) = (signal.error(&values), (0.5 * gusts * H.sqrt()).sqrt());
             assert!((0.8..1.2).contains(&(error / expected)), "{gusts}: {error} {expected}");
             assert!((0.5..2.0).contains(&(ratio.sqrt() / gusts)), "{gusts}: {ratio}");
+            assert!((0.9..1.1).contains(&(noise_std / NOISE)), "{gusts}: {noise_std}");
         }
         let calm = signal(0.0);
-        let (values, ratio) = calm.smoothed();
+        let Smoothed { values, ratio, .. } = calm.smoothed();
         assert!(ratio.sqrt() < 0.2 && calm.error(&values) < 0.1, "{ratio} {}", calm.error(&values));
     }
 
@@ -270,18 +290,18 @@ mod tests {
     fn what_is_missing_is_bridged_and_a_gap_is_not() {
         let mut signal = signal(0.0);
         signal.measured[500..520].fill(f64::NAN);
-        let (values, _) = signal.smoothed();
+        let values = signal.smoothed().values;
         assert!(signal.error(&values) < 0.1, "{}", signal.error(&values));
         // From a jump on, nothing is what it was before; between the two there is a gap.
         signal.time_s[1000..].iter_mut().for_each(|t| *t += 5.0);
         signal.measured[1000..].iter_mut().for_each(|y| *y += 1.0);
-        let (values, ratio) = signal.smoothed();
+        let Smoothed { values, ratio, .. } = signal.smoothed();
         assert!(ratio.sqrt() < 0.2, "{ratio}");
         assert!(
             (values[999] - signal.truth[999]).abs() < NOISE && (values[1000] - signal.truth[1000] - 1.0).abs() < NOISE
         );
         signal.measured[1000..].fill(f64::NAN);
-        let (values, _) = signal.smoothed();
+        let values = signal.smoothed().values;
         assert!(values[..1000].iter().all(|v| v.is_finite()) && values[1000..].iter().all(|v| v.is_nan()));
     }
 }

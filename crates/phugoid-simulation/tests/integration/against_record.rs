@@ -9,6 +9,7 @@ use phugoid_identification::estimate::{EstimateOptions, estimate};
 use phugoid_identification::export::Identified;
 use phugoid_identification::method::Method;
 use phugoid_identification::model_file::ModelFile;
+use phugoid_identification::options::FlowAngles;
 use phugoid_simulation::signals::signal;
 
 use crate::shared_data::shared_file;
@@ -24,7 +25,12 @@ fn the_identified_hfb320_flies_as_its_record() {
     let Some(path) = shared_file("flight/hfb320.csv") else { return };
     let record = csv::read_path(&path, &CsvOptions::default()).unwrap();
     let model = ModelFile::named("hfb320").unwrap();
-    let options = EstimateOptions { method: Some(Method::OutputError), ..EstimateOptions::default() };
+    // A motion that is flown anew knows no measured air data.
+    let options = EstimateOptions {
+        method: Some(Method::OutputError),
+        flow_angles: FlowAngles::Simulated,
+        ..EstimateOptions::default()
+    };
     let estimation = estimate(&record, &model, &options, &mut |_| ()).unwrap();
     let identified = Identified::new(&model, &estimation);
     let aircraft = ModelAircraft::identified(&identified).unwrap();
