@@ -1,7 +1,7 @@
 //! Smoothed states for the regression methods, from kinematics alone.
 //!
 //! Rate gyros and accelerometers say how airspeed, flow angles and attitude change, without any aerodynamics
-//! ([`super::kinematics`]). Each of these states is integrated and drawn towards its own measurement with the
+//! (`preparation::kinematics`; Stevens & Lewis, table 2.5-1). Each of these states is integrated and drawn towards its own measurement with the
 //! gain `max(1/(k+1), 1 - e^{-b h})` at its `k`-th measurement: the mean of all at first, a filter of corner `b` later.
 //!
 //! **The corner.** With sensors alone it is the stationary Kalman gain of a random walk, `b = sqrt((s_i^2 h + Q)/(s^2 h))`,
