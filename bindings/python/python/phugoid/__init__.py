@@ -560,8 +560,8 @@ def estimate(
     further from the model it is, or leaves it out where it stands alone; ``"gaussian"`` counts every value with its square.
     ``flow_angles`` is where output error has airspeed and the angles of attack and sideslip from: ``"simulated"``, ``"measured"``
     (and not fitted), or ``"auto"``, which takes them as measured where the air is not calm, without the noise that accelerations,
-    rates and attitude tell from gusts. ``band`` is the band of frequencies of a method in the frequency domain, ``(low, high)`` in Hz; without it, it is found
-    from the record. ``offer`` is the former spelling: ``"reason"`` and ``"always"`` stand for ``"offer"``.
+    rates and attitude tell from gusts. ``band`` is the band of frequencies of a method in the frequency domain, ``(low, high)``
+    in Hz; without it, it is found from the record. ``offer`` is the former spelling: ``"reason"`` and ``"always"`` stand for ``"offer"``.
 
     :raises PhugoidError: if a channel that the model needs is missing, or the record and the options do not fit the
         model.

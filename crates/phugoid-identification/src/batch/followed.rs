@@ -3,13 +3,13 @@
 //! A free simulation has the motion that its model makes of the surfaces alone. In turbulence the aircraft moves by the
 //! gusts too, and a simulated angle of attack is not the one that made the forces and moments. Where the flow angles are
 //! measured they can take the place of the simulated ones: the forces and moments of the model then hear the gusts, and
-//! what remains to be fitted are the rates, the attitude, the airspeed and the accelerations (Jategaonkar, Flight Vehicle
+//! what remains to be fitted are the rates, the accelerations, and the other states that are not measured so (Jategaonkar, Flight Vehicle
 //! System Identification, section 9.3, the method of stabilisation by equation decoupling).
 //!
 //! A measured state has noise, and noise in a regressor bends its derivative towards zero. Where the state is integrated on,
 //! in the rates, its noise averages out. In the accelerations it stands beside the measurement of the same sample, and both
-//! sides are smoothed by the same window, as in equation error: smoothing the state alone takes the quick part of its effect
-//! away, and derivatives with respect to rates and surfaces would take that up.
+//! sides are smoothed by the same window, as in equation error: smoothing the state alone by a window takes the quick part of
+//! its effect away, and derivatives with respect to rates and surfaces would take that up.
 
 use crate::core::options::CAPACITY;
 use phugoid_estimators::LinearizedOutputs;

@@ -2,10 +2,11 @@
 //!
 //! Output error takes all that is not noise of the sensors for motion that its model makes, so that gusts, a model that is
 //! not quite right, and noise on a surface bend its parameters without a trace in its bounds. Equation error takes the states
-//! as measured, and solves each equation by itself, so that a sensor that is late bends it, equally without a trace, and output error
-//! with measured air data likewise. A filter weighs both. Where the model and the sensors are right all are right, and differ by no more than their errors (after J. A.
-//! Hausman, *Specification Tests in Econometrics*, Econometrica 46, 1978; the errors are added, because no method is
-//! efficient with coloured residuals, and they are taken without what the model file declares, which is the same for all).
+//! as measured, and solves each equation by itself, so that a sensor that is late bends it, equally without a trace, and
+//! output error with measured air data likewise. A filter weighs both. Where the model and the sensors are right all are
+//! right, and differ by no more than their errors (after J. A. Hausman, *Specification Tests in Econometrics*, Econometrica
+//! 46, 1978; the errors are added, because no method is efficient with coloured residuals, and they are taken without what
+//! the model file declares, which is the same for all).
 
 use crate::core::estimation::{
     EstimationStatus, FinalStatus, OtherValue, ParameterResult, ReasonCode, SecondAnswer, VerdictReason,

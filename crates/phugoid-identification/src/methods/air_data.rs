@@ -41,9 +41,12 @@ pub(super) fn with_air_data<M: MotionModel<N, R, CAPACITY>, const N: usize, cons
     let angles = rows(&[Output::Alpha, Output::Beta]);
     let simulated =
         || Ok(WithAirData { fit: searched(manoeuvres, &structure)?, structure: structure.clone(), flown: None });
-    let clean: Option<Vec<AirData<R>>> = {
-        let of = |prepared| smoothed(prepared, task.file.aircraft.gravity, structure.maximum_gap_s);
-        std::iter::once(task.prepared).chain(further).map(of).collect()
+    let clean: Option<Vec<AirData<R>>> = match task.options.flow_angles {
+        FlowAngles::Simulated => None,
+        FlowAngles::Auto | FlowAngles::Measured => {
+            let of = |prepared| smoothed(prepared, task.file.aircraft.gravity, structure.maximum_gap_s);
+            std::iter::once(task.prepared).chain(further).map(of).collect()
+        }
     };
     let gusts = clean.iter().flatten().filter_map(|one| one.gusts).reduce(f64::max);
     let measured = |why: &str| {
@@ -103,7 +106,14 @@ pub(super) fn with_air_data<M: MotionModel<N, R, CAPACITY>, const N: usize, cons
             let why = format!(
                 ": gusts, or a sensor that is late, change the angles by {sigmas} sigmas of the noise of their vanes in a second"
             );
-            measured(&why).or_else(|_| simulated().map(warned))
+            measured(&why).or_else(|failure| {
+                let mut found = simulated().map(warned)?;
+                found.fit.notes.push(format!(
+                    "{} simulated though the air is not calm: with their measured values there is no fit ({failure})",
+                    names(&angles)
+                ));
+                Ok(found)
+            })
         }
         (FlowAngles::Auto, None) => {
             let found = simulated();

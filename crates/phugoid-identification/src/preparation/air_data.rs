@@ -45,7 +45,7 @@ const CALM_RAD: f64 = 0.08 * std::f64::consts::PI / 180.0;
 #[derive(Clone, Debug)]
 pub(crate) struct AirData<const R: usize> {
     /// The outputs by sample, with airspeed and flow angles smoothed where they are outputs of the motion; all else is as
-    /// measured. NaN from a beginning on after which nothing measures a signal.
+    /// measured. NaN where nothing has measured a signal for longer than the longest gap, before or after.
     pub(crate) outputs: Vec<[f64; R]>,
     /// By how much gusts change a flow angle in a second, in sigmas of the noise of its vane, the larger one; none in calm air.
     pub(crate) gusts: Option<f64>,
@@ -161,7 +161,26 @@ impl Filter<'_> {
         let best = costs.iter().min_by(|(_, a), (_, b)| a.total_cmp(b)).map_or(0, |(power, _)| *power);
         let mut steps = Vec::with_capacity(self.time_s.len());
         let (_, square) = self.run(ratio(best), scale, drift_variance, &mut |step| steps.push(step));
-        Smoothed { values: smooth(&steps), ratio: ratio(best), noise_std: scale * square.sqrt() }
+        let mut values = smooth(&steps);
+        for (value, is_near) in values.iter_mut().zip(self.is_near_a_measurement()) {
+            if !is_near {
+                *value = f64::NAN;
+            }
+        }
+        Smoothed { values, ratio: ratio(best), noise_std: scale * square.sqrt() }
+    }
+
+    /// By sample, whether something was measured within the longest gap, before or after: the rate alone knows no gusts.
+    fn is_near_a_measurement(&self) -> Vec<bool> {
+        let measured = self.time_s.iter().zip(self.measured).filter(|(_, value)| value.is_finite());
+        let times: Vec<f64> = measured.map(|(time, _)| *time).collect();
+        let is_near = |time: &f64| {
+            let after = times.partition_point(|t| t < time);
+            let neighbours = [after.checked_sub(1), Some(after)];
+            let mut distances = neighbours.iter().flatten().filter_map(|k| times.get(*k)).map(|t| (t - time).abs());
+            distances.any(|distance| distance <= self.maximum_gap_s)
+        };
+        self.time_s.iter().map(is_near).collect()
     }
 
     /// Runs the filter; gives twice the negative logarithm of the likelihood with the most likely size of both noises, and the variance
@@ -303,5 +322,16 @@ mod tests {
         signal.measured[1000..].fill(f64::NAN);
         let values = signal.smoothed().values;
         assert!(values[..1000].iter().all(|v| v.is_finite()) && values[1000..].iter().all(|v| v.is_nan()));
+        // A part in which nothing is measured takes nothing from a later one, nor is a long time bridged within a part: the longest
+        // gap is a second, 50 samples.
+        let mut signal = super::tests::signal(0.0);
+        signal.measured[..400].fill(f64::NAN);
+        signal.measured[600..900].fill(f64::NAN);
+        signal.time_s[200..].iter_mut().for_each(|t| *t += 5.0);
+        let values = signal.smoothed().values;
+        let unknown = |k: usize| k < 350 || (650..850).contains(&k);
+        for (k, value) in values.iter().enumerate().filter(|(k, _)| ![349, 350, 649, 650, 849, 850].contains(k)) {
+            assert_eq!(value.is_nan(), unknown(k), "{k}");
+        }
     }
 }

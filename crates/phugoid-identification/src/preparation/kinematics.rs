@@ -16,7 +16,7 @@ pub(crate) const INTEGRATED: [Output; 5] =
     [Output::TrueAirspeed, Output::Alpha, Output::Beta, Output::Phi, Output::Theta];
 
 /// Rates of the states of [`INTEGRATED`], m/s^2 and rad/s, from the channels by [`Output::index`], SI; `gravity` in m/s^2. The
-/// angular accelerations are not used. NaN where one of the others is not a number, or the aircraft stands.
+/// angular accelerations are not used. Not finite where one of the others is not, or the airspeed is zero.
 pub(crate) fn rates(c: &[f64; CHANNELS], gravity: f64) -> [f64; 5] {
     let at = |channel: Output| c[channel.index()];
     let (speed, [p, q, r]) = (at(Output::TrueAirspeed), [Output::RollRate, Output::PitchRate, Output::YawRate].map(at));
