@@ -6,35 +6,43 @@
 //!
 //! ```text
 //! T c = sum of the steps M^-1 S^T W e(c)          output error: information M, sensitivities S, weights W of the residuals e(c)
+//! T c = sum of the steps M^-1 S^T W [e(c) - e]    filter error: the same of its innovations, M and S as they were found
 //! T c = M(c)^-1 [ S(c)^T W e(c) - S^T W e ]       equation error, with c taken out of the measured states
 //! ```
 //!
-//! with the constant off by one sigma. Output error goes on from its minimum with levels of the noise that are found anew: in a
+//! with the constant off by one sigma, in the time domain and in a band of frequencies alike. Filter error keeps the levels that it has found: they hold what wrong constants of the
+//! flight leave in its innovations. Output error goes on from its minimum with levels of the noise that are found anew: in a
 //! long simulation a constant makes an output drift by many times its noise, which then counts for less. A first derivative
 //! with the weights of the minimum claimed twenty times the value of a parameter on four of twenty foreign flights. Nothing of it changes the estimate. The causal filters have the same by a recursion
 //! (`phugoid_estimators::supervisor::considered`).
 
+use nalgebra::{DMatrix, DVector};
 use phugoid_estimators::{ConstantEffects, LinearizedOutputs, LinearizedRates, RegressorShift};
 
 use super::equation_error::{EquationErrorSettings, rows_at};
+use super::equation_error_frequency::InBandEquations;
+use super::filter_error::without_strays;
+use super::filters::{Filters, step_of};
 use super::flown::{Flown, Instant};
 use super::followed::Followed;
+use super::in_band;
 use super::information::solve;
 use super::layout::Layout;
 use super::likelihood::Evaluation;
 use super::loss::Loss;
-use super::problem::{Manoeuvre, Structure};
+use super::output_error_frequency::BandSimulation;
+use super::problem::{Manoeuvre, Noise, ProcessNoise, Structure};
 use super::relaxation::{levels, noise_floor};
 use super::response::{Rows, response};
-use super::result::{BatchFit, UnknownKind};
+use super::result::{BatchFit, Unknown, UnknownKind};
 use super::start::stretches;
-use crate::core::options::CAPACITY;
+use crate::core::options::{Band, CAPACITY};
 use crate::core::systematic::ROOM_FOR_CONSTANTS;
 
 /// Errors of one parameter per unit of each constant, the true value less the found one.
 pub(crate) type ByConstant = [f64; ROOM_FOR_CONSTANTS];
 
-/// Most steps of output error with one constant, and the length of the last one over that of the first.
+/// Most steps of output error and filter error with one constant, and the length of the last one over that of the first.
 const MOST_STEPS: usize = 5;
 const STEP_TOLERANCE: f64 = 0.05;
 /// A step counts only where it is shorter than the one before by this factor: else the steps lead nowhere.
@@ -143,12 +151,13 @@ struct End {
 }
 
 impl End {
-    /// Of a fit; none where its unknowns are not those of the layout.
+    /// Of a fit; none where its unknowns, variances left out, are not those of the layout.
     fn of<const N: usize>(fit: &BatchFit, layout: &Layout<N>) -> Option<Self> {
-        let same = fit.unknowns.iter().map(|u| u.kind).eq(layout.places.iter().map(|p| p.kind));
+        let of_fit: Vec<&Unknown> = fit.unknowns.iter().filter(|u| !u.kind.is_variance()).collect();
+        let same = of_fit.iter().map(|u| u.kind).eq(layout.places.iter().map(|p| p.kind));
         same.then(|| Self {
-            unknowns: fit.unknowns.iter().map(|u| u.value).collect(),
-            frozen: fit.unknowns.iter().map(|u| u.at_limit).collect(),
+            unknowns: of_fit.iter().map(|u| u.value).collect(),
+            frozen: of_fit.iter().map(|u| u.at_limit).collect(),
         })
     }
 }
@@ -185,48 +194,145 @@ pub(crate) fn output_error_constants<const N: usize, const R: usize>(
     let floor = noise_floor(manoeuvres);
     let loss = Loss::of(structure.likelihood);
     let mut by_parameter = vec![[0.0; ROOM_FOR_CONSTANTS]; structure.parameters.len()];
-    let (plant, theta) = (manoeuvres.first()?.plant, layout.parameters(&unknowns));
     for (constant, size) in sizes.iter().copied().enumerate().filter(|(_, size)| *size > 0.0) {
         let plants = plants_of(manoeuvres, constant, size, false);
-        let manoeuvres = displaced(manoeuvres, &plants);
-        let mut moved = unknowns.clone();
-        // Begun where the terms say that it lies: a zero of the vane of many times its noise would lead the steps elsewhere.
-        for (column, value) in theta.iter().enumerate().take(plant.parameter_count()) {
-            for shift in plant.regressor_shifts(column).iter().filter(|shift| shift.constant == constant) {
-                let target = layout.places.iter().position(|p| p.kind == UnknownKind::Parameter { index: shift.of });
-                if let Some(place) = target.filter(|place| !frozen[*place]) {
-                    moved[place] += size * shift.per_unit * value;
-                }
-            }
-        }
-        let (mut first, mut before) = (f64::INFINITY, f64::INFINITY);
-        for _ in 0..MOST_STEPS {
-            let rows = manoeuvres
-                .iter()
-                .enumerate()
-                .map(|(index, m)| response(m, index, &layout, &moved, structure.maximum_step_s))
-                .collect::<Result<Vec<_>, _>>()
-                .ok()?;
+        let with = displaced(manoeuvres, &plants);
+        let begin = begun(manoeuvres, &layout, &unknowns, &frozen, (constant, size))?;
+        let moved = stepped(begin, &frozen, |moved| {
+            let rows = simulated(&with, &layout, moved, structure.maximum_step_s)?;
             let (noise_std, _) = levels(&noise, &rows, &floor, loss);
-            let mut there = Evaluation::of_priors(&layout.places, &moved);
+            let mut there = Evaluation::of_priors(&layout.places, moved);
             rows.into_iter().for_each(|rows| there.add(&rows.whitened(&noise_std, loss)));
-            let step = solve(&there.information, &there.descent, 0.0, &frozen)?;
-            let length = step.dot(&(&there.information * &step)).sqrt();
-            // Steps that grow lead nowhere: what was found so far is nearer than what they would give.
-            if length.is_nan() || length > LEAST_GAIN * before {
-                break;
-            }
-            moved.iter_mut().zip(step.iter()).for_each(|(unknown, step)| *unknown += step);
-            if first.is_infinite() {
-                first = length;
-            }
-            if length <= STEP_TOLERANCE * first {
-                break;
-            }
-            before = length;
-        }
+            Some((there.information, there.descent))
+        })?;
         let by_unit = moved.iter().zip(&unknowns).map(|(moved, unknown)| (moved - unknown) / size);
         note(&mut by_parameter, &layout, constant, by_unit);
+    }
+    Some(by_parameter)
+}
+
+/// Free simulations of some manoeuvres; none where one diverges.
+fn simulated<const N: usize, const R: usize>(
+    manoeuvres: &[Manoeuvre<'_, N, R>],
+    layout: &Layout<N>,
+    unknowns: &[f64],
+    maximum_step_s: f64,
+) -> Option<Vec<Rows<R>>> {
+    let run = |(index, m)| response(m, index, layout, unknowns, maximum_step_s).ok();
+    manoeuvres.iter().enumerate().map(run).collect()
+}
+
+/// The unknowns where the terms say that they lie with a constant off by a size: a zero of the vane of many times its noise would
+/// lead steps from elsewhere astray. None where there is no manoeuvre.
+fn begun<const N: usize, const R: usize>(
+    manoeuvres: &[Manoeuvre<'_, N, R>],
+    layout: &Layout<N>,
+    unknowns: &[f64],
+    frozen: &[bool],
+    (constant, size): (usize, f64),
+) -> Option<Vec<f64>> {
+    let (plant, theta) = (manoeuvres.first()?.plant, layout.parameters(unknowns));
+    let mut begin = unknowns.to_vec();
+    for (column, value) in theta.iter().enumerate().take(plant.parameter_count()) {
+        for shift in plant.regressor_shifts(column).iter().filter(|shift| shift.constant == constant) {
+            let target = layout.places.iter().position(|p| p.kind == UnknownKind::Parameter { index: shift.of });
+            if let Some(place) = target.filter(|place| !frozen[*place]) {
+                begin[place] += size * shift.per_unit * value;
+            }
+        }
+    }
+    Some(begin)
+}
+
+/// Where Gauss-Newton steps lead, as long as each is clearly shorter than the one before. `at`: the information and the descent
+/// there; none where they cannot be worked out.
+fn stepped(
+    begin: Vec<f64>,
+    frozen: &[bool],
+    mut at: impl FnMut(&[f64]) -> Option<(DMatrix<f64>, DVector<f64>)>,
+) -> Option<Vec<f64>> {
+    let mut moved = begin;
+    let (mut first, mut before) = (f64::INFINITY, f64::INFINITY);
+    for _ in 0..MOST_STEPS {
+        let (information, descent) = at(&moved)?;
+        let step = solve(&information, &descent, 0.0, frozen)?;
+        let length = step.dot(&(&information * &step)).sqrt();
+        // Steps that grow lead nowhere: what was found so far is nearer than what they would give.
+        if length.is_nan() || length > LEAST_GAIN * before {
+            break;
+        }
+        moved.iter_mut().zip(step.iter()).for_each(|(unknown, step)| *unknown += step);
+        if first.is_infinite() {
+            first = length;
+        }
+        if length <= STEP_TOLERANCE * first {
+            break;
+        }
+        before = length;
+    }
+    Some(moved)
+}
+
+/// What [`filter_error()`](super::filter_error()) makes of errors of the constants, as [`output_error_constants`].
+pub(crate) fn filter_error_constants<const N: usize, const R: usize>(
+    manoeuvres: &[Manoeuvre<'_, N, R>],
+    structure: &Structure<N, R>,
+    fit: &BatchFit,
+    sizes: &ByConstant,
+) -> Option<Vec<ByConstant>> {
+    let mut levelled = structure.clone();
+    for (channel, std) in levelled.outputs.iter_mut().zip(&fit.noise_std).filter(|(_, std)| std.is_finite()) {
+        channel.noise = Noise::Known(*std);
+    }
+    let density: [f64; N] = fit.process_noise.as_slice().try_into().ok()?;
+    let (outputs, _) = without_strays(manoeuvres, structure);
+    let clean: Vec<Manoeuvre<'_, N, R>> =
+        manoeuvres.iter().zip(&outputs).map(|(m, outputs)| Manoeuvre { outputs, ..*m }).collect();
+    let filters = Filters::of(&clean, &levelled, &ProcessNoise { density, estimated: false }).ok()?;
+    let layout = &filters.layout;
+    let End { unknowns, frozen } = End::of(fit, layout)?;
+
+    // The innovations and their derivatives as they were found, the second time with steps that suit the information.
+    let mut steps = filters.first_steps();
+    let linearized = |steps: &[f64]| {
+        let rows = filters.rows(filters.innovations(&unknowns).ok()?, &unknowns, steps, |_| true).ok()?;
+        let rows: Vec<Rows<R>> = rows.into_iter().map(|(mean, _)| mean).collect();
+        let mut found = Evaluation::nothing(layout.places.len());
+        rows.iter().for_each(|rows| found.add(rows));
+        Some((rows, found))
+    };
+    let (_, rough) = linearized(&steps)?;
+    for (j, step) in steps.iter_mut().enumerate() {
+        *step = step_of(rough.information[(j, j)]).unwrap_or(*step);
+    }
+    let (rows, found) = linearized(&steps)?;
+
+    let mut by_parameter = vec![[0.0; ROOM_FOR_CONSTANTS]; structure.parameters.len()];
+    for (constant, size) in sizes.iter().copied().enumerate().filter(|(_, size)| *size > 0.0) {
+        let plants = plants_of(&clean, constant, size, false);
+        let with = displaced(&clean, &plants);
+        let with = filters.over(&with);
+        let begin = begun(&clean, layout, &unknowns, &frozen, (constant, size))?;
+        let moved = stepped(begin, &frozen, |moved| {
+            let mut there = Evaluation::of_priors(&layout.places, moved);
+            let at_found = Evaluation::of_priors(&layout.places, &unknowns);
+            there.information += &found.information;
+            there.descent -= at_found.descent + &found.descent;
+            for (innovations, rows) in with.innovations(moved).ok()?.iter().zip(&rows) {
+                let whitened = innovations.errors.iter().zip(&innovations.variances);
+                for (k, (e, s)) in whitened.enumerate() {
+                    for i in (0..R).filter(|&i| e[i].is_finite()) {
+                        let e = e[i] / s[i].sqrt();
+                        for (&column, s) in rows.columns.iter().zip(rows.sensitivity(k, i)) {
+                            there.descent[column] += s * e;
+                        }
+                    }
+                }
+            }
+            Some((there.information, there.descent))
+        })?;
+        let by_unit = moved.iter().zip(&unknowns).map(|(moved, unknown)| (moved - unknown) / size);
+        note(&mut by_parameter, layout, constant, by_unit);
     }
     Some(by_parameter)
 }
@@ -240,17 +346,30 @@ pub(crate) fn equation_error_constants<const N: usize, const R: usize>(
     fit: &BatchFit,
     sizes: &ByConstant,
 ) -> Option<Vec<ByConstant>> {
-    let noise_std: [f64; R] = fit.noise_std.as_slice().try_into().ok()?;
     let unknowns: Vec<f64> = fit.unknowns.iter().map(|u| u.value).collect();
-    let (layout, rows) = rows_at(manoeuvres, structure, settings, &unknowns).ok()?;
-    let End { unknowns, frozen } = End::of(fit, &layout)?;
+    let (layout, _) = rows_at(manoeuvres, structure, settings, &unknowns).ok()?;
+    let end = End::of(fit, &layout)?;
+    let rows = |with: &[Manoeuvre<'_, N, R>]| Some(rows_at(with, structure, settings, &end.unknowns).ok()?.1);
+    regressed(manoeuvres, structure, fit, (&layout, &end), sizes, rows)
+}
+
+/// What a regression makes of errors of the constants; `rows`: residuals and regressors of its equations where it ended.
+fn regressed<const N: usize, const R: usize>(
+    manoeuvres: &[Manoeuvre<'_, N, R>],
+    structure: &Structure<N, R>,
+    fit: &BatchFit,
+    (layout, end): (&Layout<N>, &End),
+    sizes: &ByConstant,
+    rows: impl Fn(&[Manoeuvre<'_, N, R>]) -> Option<Vec<Rows<R>>>,
+) -> Option<Vec<ByConstant>> {
+    let noise_std: [f64; R] = fit.noise_std.as_slice().try_into().ok()?;
     let at = |rows: Vec<Rows<R>>| {
-        let mut there = Evaluation::of_priors(&layout.places, &unknowns);
+        let mut there = Evaluation::of_priors(&layout.places, &end.unknowns);
         rows.into_iter().for_each(|rows| there.add(&rows.whitened(&noise_std, Loss::GAUSSIAN)));
         there
     };
-    let found = at(rows);
-    let theta = layout.parameters(&unknowns);
+    let found = at(rows(manoeuvres)?);
+    let theta = layout.parameters(&end.unknowns);
     let mut by_parameter = vec![[0.0; ROOM_FOR_CONSTANTS]; structure.parameters.len()];
     for (constant, size) in sizes.iter().copied().enumerate().filter(|(_, size)| *size > 0.0) {
         let plants = plants_of(manoeuvres, constant, size, true);
@@ -263,12 +382,56 @@ pub(crate) fn equation_error_constants<const N: usize, const R: usize>(
             .zip(&cleared)
             .map(|(m, outputs)| Manoeuvre { outputs, ..m })
             .collect();
-        let with = at(rows_at(&with, structure, settings, &unknowns).ok()?.1);
+        let with = at(rows(&with)?);
         // The equations are linear in the parameters: with their regressors one step is all.
-        let step = solve(&with.information, &(with.descent - &found.descent), 0.0, &frozen)?;
-        note(&mut by_parameter, &layout, constant, step.iter().map(|step| step / size));
+        let step = solve(&with.information, &(with.descent - &found.descent), 0.0, &end.frozen)?;
+        note(&mut by_parameter, layout, constant, step.iter().map(|step| step / size));
     }
     Some(by_parameter)
+}
+
+/// What [`output_error_frequency()`](super::output_error_frequency()) makes of errors of the constants, as [`output_error_constants`].
+pub(crate) fn output_error_frequency_constants<const N: usize, const R: usize>(
+    manoeuvres: &[Manoeuvre<'_, N, R>],
+    structure: &Structure<N, R>,
+    band: Band,
+    fit: &BatchFit,
+    sizes: &ByConstant,
+) -> Option<Vec<ByConstant>> {
+    let (outputs, _) = without_strays(manoeuvres, structure);
+    let clean: Vec<Manoeuvre<'_, N, R>> =
+        manoeuvres.iter().zip(&outputs).map(|(m, outputs)| Manoeuvre { outputs, ..*m }).collect();
+    let BandSimulation { layout, spectrum, floor, motion } = BandSimulation::of(&clean, structure, band).ok()?;
+    let End { unknowns, frozen } = End::of(fit, &layout)?;
+    let mut by_parameter = vec![[0.0; ROOM_FOR_CONSTANTS]; structure.parameters.len()];
+    for (constant, size) in sizes.iter().copied().enumerate().filter(|(_, size)| *size > 0.0) {
+        let plants = plants_of(&clean, constant, size, false);
+        let with = displaced(&clean, &plants);
+        let begin = begun(&clean, &layout, &unknowns, &frozen, (constant, size))?;
+        let moved = stepped(begin, &frozen, |moved| {
+            let time = simulated(&with, &layout, moved, structure.maximum_step_s)?;
+            let there = in_band::evaluate(&layout.places, moved, &spectrum, Some(&motion), &floor, time);
+            Some((there.information, there.descent))
+        })?;
+        let by_unit = moved.iter().zip(&unknowns).map(|(moved, unknown)| (moved - unknown) / size);
+        note(&mut by_parameter, &layout, constant, by_unit);
+    }
+    Some(by_parameter)
+}
+
+/// What [`equation_error_frequency()`](super::equation_error_frequency()) makes of errors of the constants, as
+/// [`equation_error_constants`].
+pub(crate) fn equation_error_frequency_constants<const N: usize, const R: usize>(
+    manoeuvres: &[Manoeuvre<'_, N, R>],
+    structure: &Structure<N, R>,
+    (band, settings): (Band, &EquationErrorSettings),
+    fit: &BatchFit,
+    sizes: &ByConstant,
+) -> Option<Vec<ByConstant>> {
+    let equations = InBandEquations::of(manoeuvres, structure, band, settings).ok()?;
+    let end = End::of(fit, &equations.layout)?;
+    let rows = |with: &[Manoeuvre<'_, N, R>]| equations.transformed(with, structure, settings, &end.unknowns).ok();
+    regressed(manoeuvres, structure, fit, (&equations.layout, &end), sizes, rows)
 }
 
 /// The measured outputs of a manoeuvre, those that measure a state without what the constant adds to them. Where a state is

@@ -57,45 +57,16 @@ pub fn equation_error_frequency<const N: usize, const R: usize>(
     band: Band,
     settings: &EquationErrorSettings,
 ) -> Result<EquationErrorFit, BatchError> {
-    structure.check(manoeuvres)?;
-    let band = band.check().map_err(|e| BatchError::BadInput(e.to_string()))?;
-    let mut held = structure.clone();
-    held.states.iter_mut().for_each(|s| s.free = false);
-    held.outputs.iter_mut().for_each(|channel| channel.bias = Bias::None);
-    let outliers = match structure.likelihood {
-        Likelihood::Robust => Outliers::LeftOut,
-        Likelihood::Gaussian => Outliers::Kept,
+    let InBandEquations { layout, spectrum, measured, every, constants } =
+        InBandEquations::of(manoeuvres, structure, band, settings)?;
+    let rows = |measured: &[Measured<N, R>], unknowns: &[f64], wanted: &[bool; R]| {
+        rows_of(manoeuvres, measured, &layout, unknowns, wanted, structure.maximum_gap_s)
     };
-    let of = |m: &Manoeuvre<'_, N, R>| Measured::of(m, structure, settings.half_window_s, false, outliers);
-    let measured = manoeuvres.iter().map(of).collect::<Result<Vec<_>, _>>()?;
-    let rows = |measured: &[Measured<N, R>], layout: &Layout<N>, unknowns: &[f64], wanted: &[bool; R]| {
-        rows_of(manoeuvres, measured, layout, unknowns, wanted, structure.maximum_gap_s)
-    };
-    let layout: Layout<N> = Layout::new(&held, manoeuvres, nothing_integrated(manoeuvres));
-    let every = rows(&measured, &layout, &layout.start(), &[true; R]);
-    let spectrum = Spectrum::new(
-        band,
-        manoeuvres.iter().map(|m| m.time_s),
-        &manoeuvres.iter().map(|m| between_gaps(m.time_s, structure.maximum_gap_s)).collect::<Vec<_>>(),
-        &every.iter().map(|r| r.residuals.as_slice()).collect::<Vec<_>>(),
-    );
-    spectrum.check(band)?;
-    // What has no content in the band is no unknown of the band.
-    let lost = without_content(&every, &spectrum, layout.places.len());
-    let mut constants = Vec::new();
-    for (place, _) in layout.places.iter().zip(&lost).filter(|(_, lost)| **lost) {
-        if let UnknownKind::Parameter { index } = place.kind {
-            held.parameters[index].fixed = true;
-            constants.push(place.name.clone());
-        }
-    }
-    let layout: Layout<N> = Layout::new(&held, manoeuvres, nothing_integrated(manoeuvres));
-    let every = rows(&measured, &layout, &layout.start(), &[true; R]);
     let wanted = if settings.every_equation { [true; R] } else { needed(manoeuvres, &every, &layout) };
     let floor = equation_floor(&every);
     let solve = |measured: &[Measured<N, R>], start: Vec<f64>, step_tolerance: f64| {
         let search = OptimiserSettings { step_tolerance, ..OptimiserSettings::default() };
-        let residuals = |unknowns: &[f64]| Ok(rows(measured, &layout, unknowns, &wanted));
+        let residuals = |unknowns: &[f64]| Ok(rows(measured, unknowns, &wanted));
         in_band::fit(&layout.places, start, &spectrum, None, &floor, &search, residuals)
     };
     let (minimum, start) =
@@ -137,6 +108,89 @@ pub fn equation_error_frequency<const N: usize, const R: usize>(
     let InBand { rows, noise_std, .. } = &minimum.evaluation.detail;
     let equations = equations(rows, noise_std, &layout.places, &minimum.unknowns, &fit, settings.f_to_enter, name);
     Ok(EquationErrorFit { fit, equations })
+}
+
+/// The equations of some manoeuvres in a band, and what is unknown in them.
+pub(super) struct InBandEquations<const N: usize, const R: usize> {
+    pub(super) layout: Layout<N>,
+    pub(super) spectrum: Spectrum<R>,
+    measured: Vec<Measured<N, R>>,
+    /// All equations at the start of the search, sample by sample.
+    every: Vec<Rows<R>>,
+    /// Names of the parameters that have no content in the band, which are no unknowns.
+    constants: Vec<String>,
+}
+
+impl<const N: usize, const R: usize> InBandEquations<N, R> {
+    /// # Errors
+    /// Those of [`equation_error_frequency`], but for those of the search.
+    pub(super) fn of(
+        manoeuvres: &[Manoeuvre<'_, N, R>],
+        structure: &Structure<N, R>,
+        band: Band,
+        settings: &EquationErrorSettings,
+    ) -> Result<Self, BatchError> {
+        structure.check(manoeuvres)?;
+        let band = band.check().map_err(|e| BatchError::BadInput(e.to_string()))?;
+        let mut held = structure.clone();
+        held.states.iter_mut().for_each(|s| s.free = false);
+        held.outputs.iter_mut().for_each(|channel| channel.bias = Bias::None);
+        let measured = measured_in(manoeuvres, structure, settings)?;
+        let all = |layout: &Layout<N>| {
+            rows_of(manoeuvres, &measured, layout, &layout.start(), &[true; R], structure.maximum_gap_s)
+        };
+        let layout: Layout<N> = Layout::new(&held, manoeuvres, nothing_integrated(manoeuvres));
+        let every = all(&layout);
+        let spectrum = Spectrum::new(
+            band,
+            manoeuvres.iter().map(|m| m.time_s),
+            &manoeuvres.iter().map(|m| between_gaps(m.time_s, structure.maximum_gap_s)).collect::<Vec<_>>(),
+            &every.iter().map(|r| r.residuals.as_slice()).collect::<Vec<_>>(),
+        );
+        spectrum.check(band)?;
+        // What has no content in the band is no unknown of the band.
+        let lost = without_content(&every, &spectrum, layout.places.len());
+        let mut constants = Vec::new();
+        for (place, _) in layout.places.iter().zip(&lost).filter(|(_, lost)| **lost) {
+            if let UnknownKind::Parameter { index } = place.kind {
+                held.parameters[index].fixed = true;
+                constants.push(place.name.clone());
+            }
+        }
+        let layout: Layout<N> = Layout::new(&held, manoeuvres, nothing_integrated(manoeuvres));
+        let every = all(&layout);
+        Ok(Self { layout, spectrum, measured, every, constants })
+    }
+
+    /// Residuals and regressors of all equations in the band, of manoeuvres that are sampled as those of this were.
+    ///
+    /// # Errors
+    /// [`BatchError::BadInput`] where a state is nowhere measured.
+    pub(super) fn transformed(
+        &self,
+        manoeuvres: &[Manoeuvre<'_, N, R>],
+        structure: &Structure<N, R>,
+        settings: &EquationErrorSettings,
+        unknowns: &[f64],
+    ) -> Result<Vec<Rows<R>>, BatchError> {
+        let measured = measured_in(manoeuvres, structure, settings)?;
+        let every = rows_of(manoeuvres, &measured, &self.layout, unknowns, &[true; R], structure.maximum_gap_s);
+        Ok(every.iter().enumerate().map(|(index, rows)| self.spectrum.transform(index, rows).band).collect())
+    }
+}
+
+/// The states and their slopes, without outliers if the likelihood is robust, and nothing smoothed.
+fn measured_in<const N: usize, const R: usize>(
+    manoeuvres: &[Manoeuvre<'_, N, R>],
+    structure: &Structure<N, R>,
+    settings: &EquationErrorSettings,
+) -> Result<Vec<Measured<N, R>>, BatchError> {
+    let outliers = match structure.likelihood {
+        Likelihood::Robust => Outliers::LeftOut,
+        Likelihood::Gaussian => Outliers::Kept,
+    };
+    let of = |m: &Manoeuvre<'_, N, R>| Measured::of(m, structure, settings.half_window_s, false, outliers);
+    manoeuvres.iter().map(of).collect()
 }
 
 /// True for each column whose regressors vanish in the band, or everywhere.

@@ -4,41 +4,18 @@ use crate::core::options::Likelihood;
 use std::cell::RefCell;
 
 use super::error::BatchError;
-use super::filter::{Innovations, Tuning, filter};
-use super::layout::{Layout, Place};
+use super::filter::Innovations;
+use super::filters::{Filters, step_of};
 use super::likelihood::Evaluation;
-use super::loss::Loss;
 use super::optimise::{OptimiserSettings, minimise};
-use super::problem::{Manoeuvre, Noise, Structure};
+use super::problem::{Manoeuvre, ProcessNoise, Structure};
 use super::response::Rows;
-use super::result::{BatchFit, UnknownKind};
-use super::start::stretches;
+use super::result::BatchFit;
 use super::summary::{Summary, summarise};
 use crate::preparation::noise::{measure_own_noise, without_outliers};
 
-/// What is known of the process noise: turbulence and model error that drive the states.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ProcessNoise<const N: usize> {
-    /// Variance that each state gains per second, state units squared per second; 0 for a state without.
-    pub density: [f64; N],
-    /// True if the densities that are not zero are estimated with the parameters, from these on.
-    pub estimated: bool,
-}
-
-/// One sigma of the initial state over that of the sensor that measures it: the first samples decide.
-const INITIAL_SD: f64 = 10.0;
-/// One sigma of the logarithm of a variance about its start: a factor of ten in standard deviation. It only keeps a
-/// variance that the data say nothing of from running away.
-const LOG_VARIANCE_SD: f64 = 4.605_170_186;
-/// Largest distance that the logarithm of a variance may move from its start.
-const LOG_VARIANCE_RANGE: f64 = 18.0;
-/// Step of the differences over the standard error that an unknown would have if all others were known.
-const DIFFERENCE: f64 = 1e-3;
 /// Most steps that the search learns the curvature of the cost from.
 const SECANTS: usize = 12;
-/// First relative step, as long as that is not known.
-const FIRST_DIFFERENCE: f64 = 1e-5;
-
 /// Fits the predictions of a Kalman filter to the measured outputs of all manoeuvres at once.
 ///
 /// Minimises the negative log-likelihood of the innovations,
@@ -84,57 +61,17 @@ pub fn filter_error<const N: usize, const R: usize>(
             state.name
         )));
     }
-    let (outputs, left_out) = match structure.likelihood {
-        Likelihood::Gaussian => (manoeuvres.iter().map(|m| m.outputs.to_vec()).collect(), [0; R]),
-        Likelihood::Robust => clean(manoeuvres),
-    };
+    let (outputs, left_out) = without_strays(manoeuvres, structure);
     let manoeuvres: Vec<Manoeuvre<'_, N, R>> =
         manoeuvres.iter().zip(&outputs).map(|(m, outputs)| Manoeuvre { outputs, ..*m }).collect();
-    let manoeuvres = manoeuvres.as_slice();
+    let filters = Filters::of(&manoeuvres, structure, process_noise)?;
+    let (layout, manoeuvres) = (&filters.layout, manoeuvres.as_slice());
     let used = Structure::used(manoeuvres);
-    let noise = first_noise(manoeuvres, structure)?;
-    let initial_std = initial_std(manoeuvres, structure, &noise)?;
-    let mut held = structure.clone();
-    held.states.iter_mut().for_each(|s| s.free = false);
-    let mut layout: Layout<N> = Layout::new(&held, manoeuvres, stretches(manoeuvres, structure)?);
-    layout.places.extend(variances(structure, &noise, process_noise, &used));
-
-    let tuning = |index: usize, unknowns: &[f64]| -> Tuning<N, R> {
-        let mut tuning = Tuning {
-            parameters: layout.parameters(unknowns),
-            biases: layout.biases(index, unknowns),
-            stretches: layout.stretches(index, unknowns),
-            initial_std,
-            noise: noise.map(|std| std * std),
-            process_noise: process_noise.density,
-            maximum_step_s: structure.maximum_step_s,
-        };
-        for (place, value) in layout.places.iter().zip(unknowns) {
-            match place.kind {
-                UnknownKind::Noise { output } => tuning.noise[output] = value.exp(),
-                UnknownKind::ProcessNoise { state } => tuning.process_noise[state] = value.exp(),
-                _ => {}
-            }
-        }
-        tuning
-    };
-    let run = |index: usize, unknowns: &[f64]| -> Result<Innovations<R>, BatchError> {
-        let m = &manoeuvres[index];
-        filter(m, &tuning(index, unknowns))
-            .map_err(|time_s| BatchError::Diverged { manoeuvre: m.name.to_owned(), time_s })
-    };
-    let first_step = |p: &Place| match p.kind {
-        UnknownKind::Noise { .. } | UnknownKind::ProcessNoise { .. } => 1e-4,
-        _ if p.start != 0.0 => FIRST_DIFFERENCE * p.start.abs(),
-        _ if p.prior_std.is_finite() => FIRST_DIFFERENCE * p.prior_std,
-        _ => FIRST_DIFFERENCE,
-    };
-    let steps = RefCell::new(layout.places.iter().map(first_step).collect::<Vec<f64>>());
-    let searched_first =
-        |j: usize| matches!(layout.places[j].kind, UnknownKind::Noise { .. } | UnknownKind::ProcessNoise { .. });
+    let steps = RefCell::new(filters.first_steps());
+    let searched_first = |j: usize| layout.places[j].kind.is_variance();
     // With the variances alone, an evaluation costs a third.
     let evaluate = |unknowns: &[f64], below: f64, all: bool| -> Result<Option<Evaluation<Filtered<R>>>, BatchError> {
-        let centre = (0..manoeuvres.len()).map(|m| run(m, unknowns)).collect::<Result<Vec<_>, _>>()?;
+        let centre = filters.innovations(unknowns)?;
         let cost: f64 = centre.iter().map(Innovations::cost).sum();
         let mut evaluation = Evaluation::of_priors(&layout.places, unknowns);
         let total = evaluation.cost + cost;
@@ -143,18 +80,14 @@ pub fn filter_error<const N: usize, const R: usize>(
         }
         let priors = evaluation.information.diagonal();
         let mut rows = Vec::with_capacity(centre.len());
-        for (index, innovations) in centre.into_iter().enumerate() {
-            let mut columns = layout.columns(index);
-            columns.retain(|j| all || searched_first(*j));
-            let (mean, spread) = differences(innovations, columns, &steps.borrow(), unknowns, |z| run(index, z))?;
+        for (mean, spread) in filters.rows(centre, unknowns, &steps.borrow(), |j| all || searched_first(j))? {
             evaluation.add(&mean);
             evaluation.add(&spread);
             rows.push(mean);
         }
         for (j, step) in steps.borrow_mut().iter_mut().enumerate() {
-            let information = evaluation.information[(j, j)] - priors[j];
-            if !searched_first(j) && information > 0.0 {
-                *step = DIFFERENCE / information.sqrt();
+            if !searched_first(j) {
+                *step = step_of(evaluation.information[(j, j)] - priors[j]).unwrap_or(*step);
             }
         }
         Ok(Some(evaluation.with(cost, Filtered { rows })))
@@ -173,13 +106,13 @@ pub fn filter_error<const N: usize, const R: usize>(
     let first = evaluate(&start, f64::INFINITY, true)?.ok_or_else(diverged)?;
     let search = |unknowns: &[f64], below: f64| evaluate(unknowns, below, true).ok().flatten();
     let minimum = minimise(&layout.places, start, first, settings, SECANTS, search)?;
-    let found = tuning(0, &minimum.unknowns);
+    let found = filters.tuning(0, &minimum.unknowns);
     let noise_std = std::array::from_fn(|i| if used[i] { found.noise[i].sqrt() } else { f64::NAN });
     let mut fit = summarise(&Summary {
         method: "filter-error",
         structure,
         manoeuvres,
-        layout: &layout,
+        layout,
         minimum: &minimum,
         rows: &minimum.evaluation.detail.rows,
         noise_std: &noise_std,
@@ -194,6 +127,18 @@ pub fn filter_error<const N: usize, const R: usize>(
         ));
     }
     Ok(fit)
+}
+
+/// The outputs of each manoeuvre as a [robust](crate::options::Likelihood) likelihood takes them, and how many values of each
+/// output were left out for that; with a Gaussian one as they are.
+pub(super) fn without_strays<const N: usize, const R: usize>(
+    manoeuvres: &[Manoeuvre<'_, N, R>],
+    structure: &Structure<N, R>,
+) -> (Vec<Vec<[f64; R]>>, [usize; R]) {
+    match structure.likelihood {
+        Likelihood::Gaussian => (manoeuvres.iter().map(|m| m.outputs.to_vec()).collect(), [0; R]),
+        Likelihood::Robust => clean(manoeuvres),
+    }
 }
 
 /// The outputs of each manoeuvre without outliers, and how many there were, by output.
@@ -218,115 +163,4 @@ pub(super) fn clean<const N: usize, const R: usize>(
 
 struct Filtered<const R: usize> {
     rows: Vec<Rows<R>>,
-}
-
-/// One sigma of each output to start from: as given, or measured from the records.
-fn first_noise<const N: usize, const R: usize>(
-    manoeuvres: &[Manoeuvre<'_, N, R>],
-    structure: &Structure<N, R>,
-) -> Result<[f64; R], BatchError> {
-    let used = Structure::used(manoeuvres);
-    let mut noise = [1.0; R];
-    for (i, channel) in structure.outputs.iter().enumerate().filter(|(i, _)| used[*i]) {
-        noise[i] = match channel.noise {
-            Noise::Known(std) => std,
-            Noise::Estimated => manoeuvres
-                .iter()
-                .find_map(|m| measure_own_noise(&m.outputs.iter().map(|y| y[i]).collect::<Vec<f64>>()))
-                .map(|found| found.std)
-                .ok_or_else(|| {
-                    let name = &channel.name;
-                    BatchError::BadInput(format!("the noise of {name} cannot be measured from the records: give it"))
-                })?,
-        };
-    }
-    Ok(noise)
-}
-
-fn initial_std<const N: usize, const R: usize>(
-    manoeuvres: &[Manoeuvre<'_, N, R>],
-    structure: &Structure<N, R>,
-    noise: &[f64; R],
-) -> Result<[f64; N], BatchError> {
-    let mut initial_std = [0.0; N];
-    for (i, std) in initial_std.iter_mut().enumerate().filter(|(i, _)| structure.states[*i].free) {
-        let measured = manoeuvres.first().and_then(|m| m.plant.measuring_output(i)).map(|output| noise[output]);
-        *std = INITIAL_SD
-            * measured.ok_or_else(|| {
-                let name = &structure.states[i].name;
-                BatchError::BadInput(format!("nothing measures the state {name}: filter error needs its start, held"))
-            })?;
-    }
-    Ok(initial_std)
-}
-
-/// Variances that are searched, by their logarithms.
-fn variances<const N: usize, const R: usize>(
-    structure: &Structure<N, R>,
-    noise: &[f64; R],
-    process_noise: &ProcessNoise<N>,
-    used: &[bool; R],
-) -> Vec<Place> {
-    let place = |kind, name: String, variance: f64| Place {
-        kind,
-        name,
-        start: variance.ln(),
-        prior_std: LOG_VARIANCE_SD,
-        lower: variance.ln() - LOG_VARIANCE_RANGE,
-        upper: variance.ln() + LOG_VARIANCE_RANGE,
-    };
-    let outputs = structure.outputs.iter().enumerate().filter(|(i, c)| used[*i] && c.noise == Noise::Estimated);
-    let states = structure.states.iter().enumerate();
-    outputs
-        .map(|(i, c)| place(UnknownKind::Noise { output: i }, format!("noise of {}", c.name), noise[i] * noise[i]))
-        .chain(states.filter(|(i, _)| process_noise.estimated && process_noise.density[*i] > 0.0).map(|(i, s)| {
-            let kind = UnknownKind::ProcessNoise { state: i };
-            place(kind, format!("process noise of {}", s.name), process_noise.density[i])
-        }))
-        .collect()
-}
-
-/// Rows of the innovations and of the logarithms of their variances, with derivatives by forward differences. Both are
-/// made so that `sum S^T nu` is minus the gradient of the cost and `sum S^T S` the information.
-fn differences<const R: usize>(
-    centre: Innovations<R>,
-    columns: Vec<usize>,
-    steps: &[f64],
-    unknowns: &[f64],
-    run: impl Fn(&[f64]) -> Result<Innovations<R>, BatchError>,
-) -> Result<(Rows<R>, Rows<R>), BatchError> {
-    let samples = centre.errors.len();
-    let width = columns.len();
-    let mut mean = vec![0.0; samples * R * width];
-    let mut spread = vec![0.0; samples * R * width];
-    let mut shifted = unknowns.to_vec();
-    for (c, &j) in columns.iter().enumerate() {
-        shifted[j] = unknowns[j] + steps[j];
-        let above = run(&shifted)?;
-        let apart = shifted[j] - unknowns[j];
-        shifted[j] = unknowns[j];
-        for k in 0..samples {
-            for i in (0..R).filter(|&i| centre.errors[k][i].is_finite()) {
-                let s = centre.variances[k][i];
-                let at = (k * R + i) * width + c;
-                mean[at] = -(above.errors[k][i] - centre.errors[k][i]) / (apart * s.sqrt());
-                spread[at] = (above.variances[k][i] - s) / (apart * s * std::f64::consts::SQRT_2);
-            }
-        }
-    }
-    let each = |f: &dyn Fn(f64, f64) -> f64| -> Vec<[f64; R]> {
-        let pairs = centre.errors.iter().zip(&centre.variances);
-        pairs.map(|(e, s)| std::array::from_fn(|i| f(e[i], s[i]))).collect()
-    };
-    let whitened = each(&|e, s| e / s.sqrt());
-    let surprise = each(&|e, s| (e * e / s - 1.0) / std::f64::consts::SQRT_2);
-    let rows = |outputs, residuals, sensitivities| Rows {
-        columns: columns.clone(),
-        outputs,
-        residuals,
-        sensitivities,
-        loss: Loss::GAUSSIAN,
-        growth: 1.0,
-    };
-    Ok((rows(centre.predicted, whitened, mean), rows(Vec::new(), surprise, spread)))
 }

@@ -45,29 +45,37 @@ pub(crate) fn fit<const R: usize>(
     settings: &OptimiserSettings,
     residuals: impl Fn(&[f64]) -> Result<Vec<Rows<R>>, BatchError>,
 ) -> Result<Minimum<InBand<R>>, BatchError> {
-    let evaluate = |unknowns: &[f64]| -> Result<Evaluation<InBand<R>>, BatchError> {
-        let time = residuals(unknowns)?;
-        let transformed: Vec<Transformed<R>> =
-            time.iter().enumerate().map(|(index, rows)| spectrum.transform(index, rows)).collect();
-        let mut evaluation = Evaluation::of_priors(places, unknowns);
-        let (mut band, mut below) = (Vec::with_capacity(time.len()), 0.0);
-        for Transformed { band: rows, slow } in transformed {
-            band.push(rows);
-            if let Some(std) = slow_std {
-                let slow = slow.whitened(std, Loss::GAUSSIAN);
-                below +=
-                    0.5 * slow.residuals.as_flattened().iter().filter(|e| e.is_finite()).map(|e| e * e).sum::<f64>();
-                evaluation.add(&slow);
-            }
-        }
-        let held = evaluation.information.clone();
-        let (noise_std, cost) = levels(&[Noise::Estimated; R], &band, floor, Loss::GAUSSIAN);
-        let rows: Vec<Rows<R>> = band.into_iter().map(|r| r.whitened(&noise_std, Loss::GAUSSIAN)).collect();
-        rows.iter().for_each(|r| evaluation.add(r));
-        Ok(evaluation.with(cost + below, InBand { rows, time, noise_std, held }))
-    };
+    let evaluate = |unknowns: &[f64]| Ok(evaluate(places, unknowns, spectrum, slow_std, floor, residuals(unknowns)?));
     let first = evaluate(&start)?;
     minimise(places, start, first, settings, 0, |unknowns, _| evaluate(unknowns).ok())
+}
+
+/// Cost, gradient and information of residuals in the band; the arguments are those of [`fit`], the residuals by sample.
+pub(crate) fn evaluate<const R: usize>(
+    places: &[Place],
+    unknowns: &[f64],
+    spectrum: &Spectrum<R>,
+    slow_std: Option<&[f64; R]>,
+    floor: &[f64; R],
+    time: Vec<Rows<R>>,
+) -> Evaluation<InBand<R>> {
+    let transformed: Vec<Transformed<R>> =
+        time.iter().enumerate().map(|(index, rows)| spectrum.transform(index, rows)).collect();
+    let mut evaluation = Evaluation::of_priors(places, unknowns);
+    let (mut band, mut below) = (Vec::with_capacity(time.len()), 0.0);
+    for Transformed { band: rows, slow } in transformed {
+        band.push(rows);
+        if let Some(std) = slow_std {
+            let slow = slow.whitened(std, Loss::GAUSSIAN);
+            below += 0.5 * slow.residuals.as_flattened().iter().filter(|e| e.is_finite()).map(|e| e * e).sum::<f64>();
+            evaluation.add(&slow);
+        }
+    }
+    let held = evaluation.information.clone();
+    let (noise_std, cost) = levels(&[Noise::Estimated; R], &band, floor, Loss::GAUSSIAN);
+    let rows: Vec<Rows<R>> = band.into_iter().map(|r| r.whitened(&noise_std, Loss::GAUSSIAN)).collect();
+    rows.iter().for_each(|r| evaluation.add(r));
+    evaluation.with(cost + below, InBand { rows, time, noise_std, held })
 }
 
 /// Frequencies to each side over which the spectrum of the residuals is averaged for the standard errors: it is then

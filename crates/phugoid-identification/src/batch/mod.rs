@@ -24,6 +24,7 @@ mod equation_error_frequency;
 mod error;
 mod filter;
 mod filter_error;
+mod filters;
 mod fit;
 mod flown;
 mod followed;
@@ -50,7 +51,10 @@ mod start;
 mod summary;
 mod table;
 
-pub(crate) use constants::{ByConstant, equation_error_constants, output_error_constants};
+pub(crate) use constants::{
+    ByConstant, equation_error_constants, equation_error_frequency_constants, filter_error_constants,
+    output_error_constants, output_error_frequency_constants,
+};
 pub(crate) use equation_error::equations_at;
 pub(crate) use row_correlation::RowCorrelation;
 pub(crate) use signal_band::signal_band;
@@ -62,13 +66,13 @@ pub use bound::{Bounded, bound};
 pub use equation_error::{EquationErrorFit, EquationErrorSettings, equation_error};
 pub use equation_error_frequency::equation_error_frequency;
 pub use error::BatchError;
-pub use filter_error::{ProcessNoise, filter_error};
+pub use filter_error::filter_error;
 pub use fit::OutputFit;
 pub use flown::{Flown, Instant, WithInputs};
 pub use optimise::OptimiserSettings;
 pub use output_error::output_error;
 pub use output_error_frequency::output_error_frequency;
 pub use prediction::{predict, prediction_intervals};
-pub use problem::{BatchParameter, Bias, InitialState, Manoeuvre, Noise, OutputChannel, Structure};
+pub use problem::{BatchParameter, Bias, InitialState, Manoeuvre, Noise, OutputChannel, ProcessNoise, Structure};
 pub use regression::{Equation, Term};
 pub use result::{BandUsed, BatchFit, Iteration, ManoeuvreFit, Unknown, UnknownKind};

@@ -1,9 +1,9 @@
 //! Output error in the frequency domain: maximum likelihood of a free simulation in a band.
 
-use crate::core::options::{Band, Likelihood};
+use crate::core::options::Band;
 
 use super::error::BatchError;
-use super::filter_error::clean;
+use super::filter_error::without_strays;
 use super::in_band::{self, BandSummary, InBand};
 use super::layout::Layout;
 use super::optimise::OptimiserSettings;
@@ -42,26 +42,11 @@ pub fn output_error_frequency<const N: usize, const R: usize>(
     settings: &OptimiserSettings,
 ) -> Result<BatchFit, BatchError> {
     structure.check(manoeuvres)?;
-    let band = band.check().map_err(|e| BatchError::BadInput(e.to_string()))?;
-    let outputs = match structure.likelihood {
-        Likelihood::Gaussian => manoeuvres.iter().map(|m| m.outputs.to_vec()).collect(),
-        Likelihood::Robust => clean(manoeuvres).0,
-    };
+    let (outputs, _) = without_strays(manoeuvres, structure);
     let manoeuvres: Vec<Manoeuvre<'_, N, R>> =
         manoeuvres.iter().zip(&outputs).map(|(m, outputs)| Manoeuvre { outputs, ..*m }).collect();
     let manoeuvres = manoeuvres.as_slice();
-    let mut held = structure.clone();
-    // A constant error has nothing in the band.
-    held.outputs.iter_mut().for_each(|channel| channel.bias = Bias::None);
-    let stretches = stretches(manoeuvres, structure)?;
-    let spectrum: Spectrum<R> = Spectrum::new(
-        band,
-        manoeuvres.iter().map(|m| m.time_s),
-        &stretches.iter().map(|all| all.iter().map(|s| [s.from, s.to]).collect()).collect::<Vec<_>>(),
-        &outputs.iter().map(Vec::as_slice).collect::<Vec<_>>(),
-    );
-    spectrum.check(band)?;
-    let layout: Layout<N> = Layout::new(&held, manoeuvres, stretches);
+    let BandSimulation { layout, spectrum, floor, motion } = BandSimulation::of(manoeuvres, structure, band)?;
     let simulate = |unknowns: &[f64]| -> Result<Vec<Rows<R>>, BatchError> {
         let run = |(index, m): (usize, &Manoeuvre<'_, N, R>)| {
             response(m, index, &layout, unknowns, structure.maximum_step_s)
@@ -69,8 +54,6 @@ pub fn output_error_frequency<const N: usize, const R: usize>(
         };
         manoeuvres.iter().enumerate().map(run).collect()
     };
-    let floor = noise_floor(manoeuvres);
-    let motion = motion(manoeuvres);
     let minimum = in_band::fit(&layout.places, layout.start(), &spectrum, Some(&motion), &floor, settings, simulate)
         .map_err(|e| diverged_or_unstable(e, manoeuvres, || simulate(&layout.start())))?;
     let mut fit = in_band::summarise(&BandSummary {
@@ -93,6 +76,42 @@ pub fn output_error_frequency<const N: usize, const R: usize>(
         ));
     }
     Ok(fit)
+}
+
+/// What a simulation is compared by in a band, and what is unknown in it.
+pub(super) struct BandSimulation<const N: usize, const R: usize> {
+    pub(super) layout: Layout<N>,
+    pub(super) spectrum: Spectrum<R>,
+    pub(super) floor: [f64; R],
+    /// One sigma of what lies below the band, by output.
+    pub(super) motion: [f64; R],
+}
+
+impl<const N: usize, const R: usize> BandSimulation<N, R> {
+    /// Of manoeuvres without outliers.
+    ///
+    /// # Errors
+    /// [`BatchError::BadInput`] for a band that is none, that the records are too short for, or where nothing measures a state.
+    pub(super) fn of(
+        manoeuvres: &[Manoeuvre<'_, N, R>],
+        structure: &Structure<N, R>,
+        band: Band,
+    ) -> Result<Self, BatchError> {
+        let band = band.check().map_err(|e| BatchError::BadInput(e.to_string()))?;
+        let mut held = structure.clone();
+        // A constant error has nothing in the band.
+        held.outputs.iter_mut().for_each(|channel| channel.bias = Bias::None);
+        let stretches = stretches(manoeuvres, structure)?;
+        let spectrum: Spectrum<R> = Spectrum::new(
+            band,
+            manoeuvres.iter().map(|m| m.time_s),
+            &stretches.iter().map(|all| all.iter().map(|s| [s.from, s.to]).collect()).collect::<Vec<_>>(),
+            &manoeuvres.iter().map(|m| m.outputs).collect::<Vec<_>>(),
+        );
+        spectrum.check(band)?;
+        let layout = Layout::new(&held, manoeuvres, stretches);
+        Ok(Self { layout, spectrum, floor: noise_floor(manoeuvres), motion: motion(manoeuvres) })
+    }
 }
 
 /// Makes the standard errors infinite of the unknowns whose variance `C` comes for the larger part from what holds the

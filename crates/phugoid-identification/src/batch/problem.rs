@@ -97,6 +97,15 @@ pub enum Noise {
     Estimated,
 }
 
+/// What is known of the process noise: turbulence and model error that drive the states.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ProcessNoise<const N: usize> {
+    /// Variance that each state gains per second, state units squared per second; 0 for a state without.
+    pub density: [f64; N],
+    /// True if the densities that are not zero are estimated with the parameters, from these on.
+    pub estimated: bool,
+}
+
 /// A constant error of an output, estimated with the parameters.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Bias {

@@ -43,6 +43,13 @@ pub enum UnknownKind {
     },
 }
 
+impl UnknownKind {
+    /// True of a variance of measurement or process noise.
+    pub(crate) fn is_variance(self) -> bool {
+        matches!(self, Self::Noise { .. } | Self::ProcessNoise { .. })
+    }
+}
+
 /// The estimate of one unknown.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Unknown {

@@ -116,7 +116,7 @@ impl Method {
     /// Whether it can follow what errors of constants (scales of sensors, mass, ...) do to its estimate; for the others they
     /// are carried into the bounds by powers of the scales.
     pub fn follows_constants(self) -> bool {
-        matches!(self, Self::Smpe | Self::Ekf | Self::OutputError | Self::EquationError)
+        matches!(self, Self::Smpe | Self::Ekf) || self.is_batch()
     }
 
     /// One line that says what the method is, for lists of methods.

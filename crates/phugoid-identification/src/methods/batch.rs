@@ -58,21 +58,22 @@ pub(super) fn run_batch<M: MotionModel<N, R, CAPACITY>, const N: usize, const R:
         .collect();
     let structure = structure::<M, N, R>(task)?;
     let regression = EquationErrorSettings::automatic(sample_time(&prepared.time));
+    let band = if method.is_in_band() { Some(band::<M, N, R>(task, structure.maximum_gap_s)?) } else { None };
     let Solved { mut fit, equations, second_answer, no_second_answer, structure, flown } =
-        solve::<M, N, R>(task, (&manoeuvres, &further), structure, &regression)?;
+        solve::<M, N, R>(task, (&manoeuvres, &further), structure, (&regression, band))?;
     let measured_angles = flown.is_some();
     let manoeuvres = match &flown {
         Some(flown) => with_outputs(&manoeuvres, flown),
         None => manoeuvres,
     };
     let systematic = match task.follows_constants() {
-        true => systematic::<M, N, R>(task, &manoeuvres, &structure, &regression, &fit),
+        true => systematic::<M, N, R>(task, &manoeuvres, &structure, (&regression, band), &fit),
         false => None,
     };
     if task.follows_constants() && systematic.is_none() {
         fit.notes.push(
-            "what errors of the declared constants do to the estimate could not be worked out, because a simulation or a \
-             regression with one of them off by its uncertainty has no answer: the bounds hold the powers of the scales, and \
+            "what errors of the declared constants do to the estimate could not be worked out, because a simulation, a \
+             filter or a regression with one of them off by its uncertainty has no answer: the bounds hold the powers of the scales, and \
              nothing of lags, timing, accelerometers, centre of gravity and thrust"
                 .to_owned(),
         );
@@ -203,10 +204,9 @@ fn solve<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
     task: &Task<M, N, R>,
     (manoeuvres, further): (&[Manoeuvre<'_, N, R>], &[Prepared<M, N, R>]),
     structure: Structure<N, R>,
-    regression: &EquationErrorSettings,
+    (regression, band): (&EquationErrorSettings, Option<Band>),
 ) -> Result<Solved<N, R>, EstimateError> {
     let method = task.method();
-    let band = if method.is_in_band() { Some(band::<M, N, R>(task, structure.maximum_gap_s)?) } else { None };
     let by_sample = || batch::equation_error(manoeuvres, &structure, regression);
     let equations = || match band {
         Some(band) => batch::equation_error_frequency(manoeuvres, &structure, band, regression),

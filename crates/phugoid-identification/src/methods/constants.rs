@@ -2,10 +2,12 @@
 
 use super::task::Task;
 use crate::batch::{
-    BatchFit, ByConstant, EquationErrorSettings, Manoeuvre, Structure, equation_error_constants, output_error_constants,
+    BatchFit, ByConstant, EquationErrorSettings, Manoeuvre, Structure, equation_error_constants,
+    equation_error_frequency_constants, filter_error_constants, output_error_constants,
+    output_error_frequency_constants,
 };
 use crate::core::method::Method;
-use crate::core::options::CAPACITY;
+use crate::core::options::{Band, CAPACITY};
 use crate::core::systematic::{ByQuantity, ROOM_FOR_CONSTANTS, SystematicPart};
 use crate::motion::{MotionModel, declared};
 
@@ -21,22 +23,29 @@ impl Systematic {
     }
 }
 
-/// Follows the constants of the motion through output error or equation error, over the manoeuvres that were fitted.
-/// For a task that [follows constants](Task::follows_constants). None where it does not work out: a simulation with a constant
+/// Follows the constants of the motion through a batch method, over the manoeuvres that were fitted; `band`: of the methods that have one.
+/// For a task that [follows constants](Task::follows_constants). None where it does not work out: a simulation or a filter with a constant
 /// off by one sigma diverges, or the equations of a step are singular.
 pub(super) fn systematic<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
     task: &Task<M, N, R>,
     manoeuvres: &[Manoeuvre<'_, N, R>],
     structure: &Structure<N, R>,
-    regression: &EquationErrorSettings,
+    (regression, band): (&EquationErrorSettings, Option<Band>),
     fit: &BatchFit,
 ) -> Option<Systematic> {
     let mut sigmas: ByConstant = [0.0; ROOM_FOR_CONSTANTS];
     for (sigma, declared) in sigmas.iter_mut().zip(declared::<M, N, R>(task.file)) {
         *sigma = declared;
     }
-    let by_parameter = match task.method() {
-        Method::OutputError => output_error_constants(manoeuvres, structure, fit, &sigmas)?,
+    let by_parameter = match (task.method(), band) {
+        (Method::OutputError, _) => output_error_constants(manoeuvres, structure, fit, &sigmas)?,
+        (Method::OutputErrorFrequency, Some(band)) => {
+            output_error_frequency_constants(manoeuvres, structure, band, fit, &sigmas)?
+        }
+        (Method::FilterError, _) => filter_error_constants(manoeuvres, structure, fit, &sigmas)?,
+        (Method::EquationErrorFrequency, Some(band)) => {
+            equation_error_frequency_constants(manoeuvres, structure, (band, regression), fit, &sigmas)?
+        }
         _ => equation_error_constants(manoeuvres, structure, regression, fit, &sigmas)?,
     };
     let by_quantity = |errors: &ByConstant| {

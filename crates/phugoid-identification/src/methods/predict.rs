@@ -118,7 +118,7 @@ fn predict_of<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
     let bounds = batch::bound(&manoeuvres, &structure, &values)?;
     let followed = fit
         .filter(|_| task.follows_constants())
-        .and_then(|(fit, structure)| systematic::<M, N, R>(&task, &manoeuvres, &structure, &regression, &fit));
+        .and_then(|(fit, structure)| systematic::<M, N, R>(&task, &manoeuvres, &structure, (&regression, None), &fit));
     if task.follows_constants() && followed.is_none() {
         notes.push(
             "errors of the declared constants could not be followed: the bounds hold the powers of the scales"

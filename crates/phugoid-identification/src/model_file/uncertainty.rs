@@ -3,7 +3,7 @@
 //!
 //! A scale that is wrong by one part in a hundred is taken up by the derivatives, and the residuals stay as small as
 //! before. So its uncertainty has to be declared, and goes into the bounds: to first order each derivative is
-//! proportional to a product of powers of the scales. Four methods follow what each error really does to their estimate
+//! proportional to a product of powers of the scales. Five methods follow what each error really does to their estimate
 //! instead, and know of lags, of the centre of gravity and of others that have no powers as well (docs/uncertainty.md).
 
 use super::error::ModelFileError;

@@ -104,6 +104,9 @@ fn claims_of_declared_scales_are_what_happens() {
         (Method::Smpe, 601),
         (Method::Ekf, 601),
         (Method::OutputError, 601),
+        (Method::FilterError, 601),
+        (Method::EquationErrorFrequency, 601),
+        (Method::OutputErrorFrequency, 601),
         (Method::EquationError, 601),
     ] {
         let mut record = whole.clone();

@@ -36,7 +36,7 @@ fn secant(aircraft: &F16, total: &TotalDerivative) -> f64 {
 fn totals_are_the_secant_of_the_tables_and_the_increment() {
     let (record, model) = (fly(20.0, 0.035, 5), model());
     let aircraft = F16::new(F16Options { cg: 0.30, ..F16Options::default() }).unwrap();
-    for method in [Method::Smpe, Method::OutputError, Method::EquationError] {
+    for method in [Method::Smpe, Method::OutputError, Method::FilterError, Method::EquationError] {
         let options = EstimateOptions { method: Some(method), ..EstimateOptions::default() };
         let estimation = estimate(&record, &model, &options, &mut |_| {}).unwrap();
         let names: Vec<&str> = estimation.totals.iter().map(|t| t.name.as_str()).collect();
