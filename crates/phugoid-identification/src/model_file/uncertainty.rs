@@ -3,7 +3,7 @@
 //!
 //! A scale that is wrong by one part in a hundred is taken up by the derivatives, and the residuals stay as small as
 //! before. So its uncertainty has to be declared, and goes into the bounds: to first order each derivative is
-//! proportional to a product of powers of the scales. Five methods follow what each error really does to their estimate
+//! proportional to a product of powers of the scales. SMPE, the joint filter and the batch methods follow what each error really does to their estimate
 //! instead, and know of lags, of the centre of gravity and of others that have no powers as well (docs/uncertainty.md).
 
 use super::error::ModelFileError;
@@ -85,7 +85,7 @@ impl BaseUncertainty {
 pub enum Propagation {
     /// Each derivative is proportional to a product of powers of the scales, and knows nothing of the other quantities.
     Powers,
-    /// SMPE, the joint filter, output error and equation error follow what each error does to their estimate; other methods
+    /// SMPE, the joint filter and the batch methods follow what each error does to their estimate; other methods
     /// as [`Propagation::Powers`].
     #[default]
     Recursion,
@@ -398,7 +398,7 @@ impl Uncertainty {
         let not_inside = match outside.as_slice() {
             [] => String::new(),
             outside => format!(
-                " They do not contain {}: only smpe, ekf, output-error and equation-error follow such errors, with all six \
+                " They do not contain {}: only smpe, ekf and the batch methods follow such errors, with all six \
                  coefficients none does, and none with propagation = \"powers\" under [uncertainty].",
                 words(outside).join(", ")
             ),
