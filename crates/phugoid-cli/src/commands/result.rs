@@ -49,6 +49,9 @@ pub(crate) struct Document<'a> {
     /// The parameters by a method of another kind.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) second_answer: Option<&'a SecondAnswer>,
+    /// The parameters by a filter, where the second answer is that of equation error beside another batch method.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) third_answer: Option<&'a SecondAnswer>,
     pub(crate) quality: &'a QualityReport,
     pub(crate) noise: Vec<Noise<'a>>,
     /// Path of the report, if one was written.
@@ -91,6 +94,7 @@ impl<'a> Document<'a> {
             events: &estimation.events,
             changes: &estimation.changes,
             second_answer: estimation.second_answer.as_ref(),
+            third_answer: estimation.third_answer.as_ref(),
             quality: &estimation.quality,
             noise: estimation.noise.iter().map(|s| Noise { name: &s.name, unit: &s.unit, sigma: sigma(s) }).collect(),
             report,

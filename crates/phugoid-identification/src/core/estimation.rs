@@ -382,6 +382,11 @@ pub struct Estimation {
     /// without bounds.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub second_answer: Option<SecondAnswer>,
+    /// The parameters by a filter that takes the record sample by sample and looks for changes in flight, beside filter error and output
+    /// error with simulated air data, whose second answer is that of equation error: a change bends both of these alike. `None` of the
+    /// other methods, and where the filter gives none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub third_answer: Option<SecondAnswer>,
 }
 
 /// How one measured output agreed with the predictions of a causal method.

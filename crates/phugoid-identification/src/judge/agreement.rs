@@ -46,14 +46,23 @@ fn advice(first: Method, second: Method) -> &'static str {
         "a filter that met values far from those of its start, a missing term, gusts or a sensor that is late bend them in \
          different ways. Use the values of equation-error or output-error where they give no reason to doubt, or start the \
          filter from them (`start` in the model file); look for delays with `phugoid compatibility`."
+    } else if matches!(first, Method::OutputError | Method::FilterError) {
+        "a change of the aircraft in flight, which the one takes into one value for before and after it, a sensor that is late, a missing \
+         term or gusts bend them in different ways, and either of the two may be the wrong one. Look for changes with smpe and for \
+         delays with `phugoid compatibility`, and estimate the time before and after a change by itself."
     } else if first.is_recursive_regression() {
         "the regression weighs slow errors, of its smoothed states and of the model, more than a filter does. Use the values \
          of smpe or equation-error where they give no reason to doubt."
     } else {
-        "a sensor that is late, above all the vane of the angle of attack, a missing term or gusts bend them in different \
-         ways, and either of the two may be the wrong one. Look for delays with `phugoid compatibility` and for terms that the \
+        "a sensor that is late, above all the vane of the angle of attack, a missing term, a change of the aircraft in flight or \
+         gusts bend them in different ways, and either of the two may be the wrong one. Look for delays with `phugoid compatibility` and for terms that the \
          equations ask for, and compare with filter-error."
     }
+}
+
+/// Whether derivatives are compared that are improving: of what a filter stands beside in the time domain.
+fn is_asked_while_improving(first: Method, second: Method) -> bool {
+    !second.is_equation_error() && matches!(first, Method::EquationError | Method::OutputError | Method::FilterError)
 }
 
 /// A parameter that is compared, by both methods.
@@ -68,7 +77,7 @@ struct Pair<'a> {
 }
 
 /// The reason that the method beside this one gives other values; none if it does not, or gives none. Compared are parameters that
-/// count as converged; of equation error also derivatives that are improving.
+/// count as converged; where a filter stands beside a method in the time domain also derivatives that are improving.
 pub(super) fn reason<'a>(
     method: Method,
     parameters: &'a [ParameterResult],
@@ -79,7 +88,7 @@ pub(super) fn reason<'a>(
     // constants of a filter are those of the last seconds, and of a regression those of the whole flight.
     let is_claimed = |found: &ParameterResult| match found.status {
         FinalStatus::Converged => true,
-        FinalStatus::Improving => method == Method::EquationError && !is_constant(&found.name),
+        FinalStatus::Improving => is_asked_while_improving(method, answer.method) && !is_constant(&found.name),
         _ => false,
     };
     let pair = |other: &'a OtherValue| {

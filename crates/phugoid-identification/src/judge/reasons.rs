@@ -67,9 +67,9 @@ pub(crate) fn reasons<M: Motion<N, R>, const N: usize, const R: usize>(
         let method = task.method();
         let is_constant = |name: &str| task.file.estimated().any(|p| p.name == name && p.role.is_constant());
         let against = |answer| agreement::reason(method, parameters, answer, is_constant);
-        let witness = run.second_answer.as_ref();
-        let witness = witness.filter(|answer| !agreement::is_mirror_image(parameters, answer, is_mirrored));
-        found.extend(witness.and_then(against));
+        let witnesses = run.second_answer.iter().chain(&run.third_answer);
+        let witnesses = witnesses.filter(|answer| !agreement::is_mirror_image(parameters, answer, is_mirrored));
+        found.extend(witnesses.filter_map(against));
         found.extend(run.noise.and_then(|_| explained::reason(history)));
         found.extend(run.noise.and_then(|learnt| {
             let outputs = M::AXES.outputs().iter().zip(task.noise).zip(learnt.std);

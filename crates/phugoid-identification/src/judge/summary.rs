@@ -93,6 +93,7 @@ pub(crate) fn summarise<M: EveryRoom<N, R>, const N: usize, const R: usize>(
         history,
         batch: run.batch.clone(),
         second_answer: run.second_answer.clone(),
+        third_answer: run.third_answer.clone(),
     }
 }
 

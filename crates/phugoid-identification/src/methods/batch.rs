@@ -109,6 +109,7 @@ pub(super) fn run_batch<M: MotionModel<N, R, CAPACITY>, const N: usize, const R:
         excited: true,
         health: None,
         batch: Some(report(&fit, measured_angles, equations, prediction)),
+        third_answer: None,
         second_answer,
         no_second_answer,
         disputed: None,

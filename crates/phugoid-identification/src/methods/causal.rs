@@ -54,6 +54,7 @@ pub(super) fn run_causal<M: Motion<N, R>, const N: usize, const R: usize>(
         health: None,
         batch: None,
         second_answer: None,
+        third_answer: None,
         no_second_answer: None,
         disputed: None,
         said_of_base: None,

@@ -23,6 +23,7 @@ mod task;
 mod watch;
 
 use crate::core::error::EstimateError;
+use crate::core::method::Method;
 pub(crate) use batch::manoeuvre as whole_record;
 use causal::run_causal;
 pub(crate) use health_watch::HealthRun;
@@ -46,12 +47,16 @@ pub(crate) fn run<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     let mut run = run_alone(task, progress)?;
     // Output error with measured air data is bent by a late vane as equation error is, which is no witness then.
     let is_measured = run.batch.as_ref().is_some_and(|report| report.measured_angles);
-    if task.method().is_equation_error() || is_measured {
+    let method = task.method();
+    if method.is_equation_error() || is_measured {
         match second::by_filter(task) {
             Ok(answer) => run.second_answer = Some(answer),
             Err(_) if run.second_answer.is_some() => {}
             Err(error) => run.no_second_answer = Some(error.to_string()),
         }
+    } else if matches!(method, Method::OutputError | Method::FilterError) {
+        // A change of the aircraft in flight bends these as it bends equation error, which looks for none.
+        run.third_answer = second::by_filter(task).ok();
     }
     Ok(run)
 }

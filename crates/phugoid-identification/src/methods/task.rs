@@ -47,6 +47,8 @@ pub(crate) struct Run<const R: usize> {
     pub(crate) batch: Option<BatchReport>,
     /// The parameters by another method; `None` where it gives none.
     pub(crate) second_answer: Option<SecondAnswer>,
+    /// The parameters by a filter, of a method whose second answer is that of equation error.
+    pub(crate) third_answer: Option<SecondAnswer>,
     /// Why another method that should stand beside this one gives none.
     pub(crate) no_second_answer: Option<String>,
     /// A change that was not believed when the record was looked at again; `None` where there is none with much evidence.

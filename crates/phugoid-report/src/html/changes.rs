@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use phugoid_identification::estimate::Opens;
-use phugoid_identification::estimation::{AdoptedChange, ChangeOutcome, Estimation};
+use phugoid_identification::estimation::{AdoptedChange, ChangeOutcome, Estimation, SecondAnswer};
 
 use super::page::{END_OF_TABLE, table};
 use super::tables::number_cells;
@@ -94,11 +94,26 @@ fn one(estimation: &Estimation, change: &AdoptedChange) -> String {
     out
 }
 
-/// The parameters by this method and by the one that gives a second answer; empty where there is none.
+/// The parameters by this method and by those that stand beside it; empty where there is none.
 pub(super) fn methods(estimation: &Estimation) -> String {
-    let Some(other) = &estimation.second_answer else {
-        return String::new();
-    };
+    let mut out: String = estimation
+        .second_answer
+        .iter()
+        .chain(&estimation.third_answer)
+        .map(|other| beside(estimation, other))
+        .collect();
+    if !out.is_empty() {
+        out.push_str(
+            "<p class=\"note\">Methods with different assumptions on the same record. Bounds without what the model file \
+             declares, which all share. Answers that are many σ apart say that an assumption of one of them does not hold: \
+             noise in the measurements of the flow angles, turbulence, a term that the model lacks, a change in flight.</p>\n",
+        );
+    }
+    out
+}
+
+/// The parameters by this method and by another one; empty where they have none in common.
+fn beside(estimation: &Estimation, other: &SecondAnswer) -> String {
     let pairs: Vec<_> = estimation
         .parameters
         .iter()
@@ -136,11 +151,6 @@ pub(super) fn methods(estimation: &Estimation) -> String {
         );
     }
     out.push_str(END_OF_TABLE);
-    out.push_str(
-        "<p class=\"note\">Two methods with different assumptions on the same record. Bounds without what the model file \
-         declares, which both share. Answers that are many σ apart say that an assumption of one of them does not hold: \
-         noise in the measurements of the flow angles, turbulence, a term that the model lacks.</p>\n",
-    );
     out
 }
 

@@ -55,7 +55,7 @@ pub fn html(estimation: &Estimation, options: &HtmlOptions) -> String {
         Section::new("summary", "Summary", summary(estimation)),
         Section::new("parameters", "Parameters", tables::parameters(estimation)),
         Section::new("changes", "Changes adopted in flight", changes::changes(estimation)),
-        Section::new("methods", "By two methods", changes::methods(estimation)),
+        Section::new("methods", "By other methods", changes::methods(estimation)),
         Section::new("readiness", "Readiness of the parameters", readiness::readiness(estimation)),
         Section::new("offer", "Terms that the residuals ask for", offer::offer(estimation)),
         Section::new("correlation-section", "Correlation", correlation(estimation, &all)),

@@ -332,6 +332,7 @@ pub(crate) fn estimation(case: &Case) -> Estimation {
         consistency: Vec::new(),
         batch: None,
         second_answer: None,
+        third_answer: None,
         history: History {
             inputs: vec![Signal {
                 values: time_s.iter().map(|t| input(*t) - 0.034).collect(),
