@@ -548,7 +548,8 @@ def estimate(
     switches the detection of sudden changes on or off; without it, the model file decides. SMPE and the EKF, with a
     model in absolute form, look at the whole record again for changes that were not found in flight, and equation error is held
     against them (``second_answer`` in :meth:`Estimation.to_dict`), and SMPE against the
-    regressions (and against filter error and output error, ``third_answer``); with ``causal_only`` the result is what a :class:`Session` would have had. ``truth`` gives the true
+    regressions (and against filter error and output error, ``third_answer``); with ``causal_only`` the result is what a
+    :class:`Session` would have had. ``truth`` gives the true
     values of a simulated flight, for the comparison only: the estimator does not see them. A batch method fits
     ``further`` records together with the first one, and tests the result on the record ``predict``. ``progress`` is
     True for a bar, or a function that is called with the fraction done, from 0 to 1.

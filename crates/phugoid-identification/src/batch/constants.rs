@@ -31,7 +31,7 @@ use super::layout::Layout;
 use super::likelihood::Evaluation;
 use super::loss::Loss;
 use super::output_error_frequency::BandSimulation;
-use super::problem::{Manoeuvre, Noise, ProcessNoise, Structure};
+use super::problem::{Manoeuvre, Noise, ProcessNoise, Structure, with_outputs};
 use super::relaxation::{levels, noise_floor};
 use super::response::{Rows, response};
 use super::result::{BatchFit, Unknown, UnknownKind};
@@ -189,24 +189,36 @@ pub(crate) fn output_error_constants<const N: usize, const R: usize>(
         manoeuvres.iter().filter_map(|m| Followed::of(m, structure).transpose()).collect::<Result<_, _>>().ok()?;
     let layout: Layout<N> =
         Layout::new(structure, manoeuvres, stretches(manoeuvres, structure).ok()?).following(followed);
-    let End { unknowns, frozen } = End::of(fit, &layout)?;
+    let end = End::of(fit, &layout)?;
     let noise = structure.outputs.each_ref().map(|channel| channel.noise);
     let floor = noise_floor(manoeuvres);
     let loss = Loss::of(structure.likelihood);
+    by_steps(manoeuvres, structure, (&layout, &end), sizes, |with, moved| {
+        let rows = simulated(with, &layout, moved, structure.maximum_step_s)?;
+        let (noise_std, _) = levels(&noise, &rows, &floor, loss);
+        let mut there = Evaluation::of_priors(&layout.places, moved);
+        rows.into_iter().for_each(|rows| there.add(&rows.whitened(&noise_std, loss)));
+        Some((there.information, there.descent))
+    })
+}
+
+/// What a search makes of errors of the constants that goes on from its minimum. `at`: information and descent of manoeuvres with a
+/// constant off, at some unknowns; none where they cannot be worked out.
+fn by_steps<const N: usize, const R: usize>(
+    manoeuvres: &[Manoeuvre<'_, N, R>],
+    structure: &Structure<N, R>,
+    (layout, end): (&Layout<N>, &End),
+    sizes: &ByConstant,
+    at: impl Fn(&[Manoeuvre<'_, N, R>], &[f64]) -> Option<(DMatrix<f64>, DVector<f64>)>,
+) -> Option<Vec<ByConstant>> {
     let mut by_parameter = vec![[0.0; ROOM_FOR_CONSTANTS]; structure.parameters.len()];
     for (constant, size) in sizes.iter().copied().enumerate().filter(|(_, size)| *size > 0.0) {
         let plants = plants_of(manoeuvres, constant, size, false);
         let with = displaced(manoeuvres, &plants);
-        let begin = begun(manoeuvres, &layout, &unknowns, &frozen, (constant, size))?;
-        let moved = stepped(begin, &frozen, |moved| {
-            let rows = simulated(&with, &layout, moved, structure.maximum_step_s)?;
-            let (noise_std, _) = levels(&noise, &rows, &floor, loss);
-            let mut there = Evaluation::of_priors(&layout.places, moved);
-            rows.into_iter().for_each(|rows| there.add(&rows.whitened(&noise_std, loss)));
-            Some((there.information, there.descent))
-        })?;
-        let by_unit = moved.iter().zip(&unknowns).map(|(moved, unknown)| (moved - unknown) / size);
-        note(&mut by_parameter, &layout, constant, by_unit);
+        let begin = begun(manoeuvres, layout, end, (constant, size))?;
+        let moved = stepped(begin, &end.frozen, |moved| at(&with, moved))?;
+        let by_unit = moved.iter().zip(&end.unknowns).map(|(moved, unknown)| (moved - unknown) / size);
+        note(&mut by_parameter, layout, constant, by_unit);
     }
     Some(by_parameter)
 }
@@ -227,16 +239,15 @@ fn simulated<const N: usize, const R: usize>(
 fn begun<const N: usize, const R: usize>(
     manoeuvres: &[Manoeuvre<'_, N, R>],
     layout: &Layout<N>,
-    unknowns: &[f64],
-    frozen: &[bool],
+    end: &End,
     (constant, size): (usize, f64),
 ) -> Option<Vec<f64>> {
-    let (plant, theta) = (manoeuvres.first()?.plant, layout.parameters(unknowns));
-    let mut begin = unknowns.to_vec();
+    let (plant, theta) = (manoeuvres.first()?.plant, layout.parameters(&end.unknowns));
+    let mut begin = end.unknowns.clone();
     for (column, value) in theta.iter().enumerate().take(plant.parameter_count()) {
         for shift in plant.regressor_shifts(column).iter().filter(|shift| shift.constant == constant) {
             let target = layout.places.iter().position(|p| p.kind == UnknownKind::Parameter { index: shift.of });
-            if let Some(place) = target.filter(|place| !frozen[*place]) {
+            if let Some(place) = target.filter(|place| !end.frozen[*place]) {
                 begin[place] += size * shift.per_unit * value;
             }
         }
@@ -249,7 +260,7 @@ fn begun<const N: usize, const R: usize>(
 fn stepped(
     begin: Vec<f64>,
     frozen: &[bool],
-    mut at: impl FnMut(&[f64]) -> Option<(DMatrix<f64>, DVector<f64>)>,
+    at: impl Fn(&[f64]) -> Option<(DMatrix<f64>, DVector<f64>)>,
 ) -> Option<Vec<f64>> {
     let mut moved = begin;
     let (mut first, mut before) = (f64::INFINITY, f64::INFINITY);
@@ -286,16 +297,15 @@ pub(crate) fn filter_error_constants<const N: usize, const R: usize>(
     }
     let density: [f64; N] = fit.process_noise.as_slice().try_into().ok()?;
     let (outputs, _) = without_strays(manoeuvres, structure);
-    let clean: Vec<Manoeuvre<'_, N, R>> =
-        manoeuvres.iter().zip(&outputs).map(|(m, outputs)| Manoeuvre { outputs, ..*m }).collect();
-    let filters = Filters::of(&clean, &levelled, &ProcessNoise { density, estimated: false }).ok()?;
+    let manoeuvres = with_outputs(manoeuvres, &outputs);
+    let filters = Filters::of(&manoeuvres, &levelled, &ProcessNoise { density, estimated: false }).ok()?;
     let layout = &filters.layout;
-    let End { unknowns, frozen } = End::of(fit, layout)?;
+    let end = End::of(fit, layout)?;
 
     // The innovations and their derivatives as they were found, the second time with steps that suit the information.
     let mut steps = filters.first_steps();
     let linearized = |steps: &[f64]| {
-        let rows = filters.rows(filters.innovations(&unknowns).ok()?, &unknowns, steps, |_| true).ok()?;
+        let rows = filters.rows(filters.innovations(&end.unknowns).ok()?, &end.unknowns, steps, |_| true).ok()?;
         let rows: Vec<Rows<R>> = rows.into_iter().map(|(mean, _)| mean).collect();
         let mut found = Evaluation::nothing(layout.places.len());
         rows.iter().for_each(|rows| found.add(rows));
@@ -306,35 +316,24 @@ pub(crate) fn filter_error_constants<const N: usize, const R: usize>(
         *step = step_of(rough.information[(j, j)]).unwrap_or(*step);
     }
     let (rows, found) = linearized(&steps)?;
+    let descent_found = Evaluation::of_priors(&layout.places, &end.unknowns).descent + &found.descent;
 
-    let mut by_parameter = vec![[0.0; ROOM_FOR_CONSTANTS]; structure.parameters.len()];
-    for (constant, size) in sizes.iter().copied().enumerate().filter(|(_, size)| *size > 0.0) {
-        let plants = plants_of(&clean, constant, size, false);
-        let with = displaced(&clean, &plants);
-        let with = filters.over(&with);
-        let begin = begun(&clean, layout, &unknowns, &frozen, (constant, size))?;
-        let moved = stepped(begin, &frozen, |moved| {
-            let mut there = Evaluation::of_priors(&layout.places, moved);
-            let at_found = Evaluation::of_priors(&layout.places, &unknowns);
-            there.information += &found.information;
-            there.descent -= at_found.descent + &found.descent;
-            for (innovations, rows) in with.innovations(moved).ok()?.iter().zip(&rows) {
-                let whitened = innovations.errors.iter().zip(&innovations.variances);
-                for (k, (e, s)) in whitened.enumerate() {
-                    for i in (0..R).filter(|&i| e[i].is_finite()) {
-                        let e = e[i] / s[i].sqrt();
-                        for (&column, s) in rows.columns.iter().zip(rows.sensitivity(k, i)) {
-                            there.descent[column] += s * e;
-                        }
+    by_steps(&manoeuvres, structure, (layout, &end), sizes, |with, moved| {
+        let mut there = Evaluation::of_priors(&layout.places, moved);
+        there.information += &found.information;
+        there.descent -= &descent_found;
+        for (innovations, rows) in filters.over(with).innovations(moved).ok()?.iter().zip(&rows) {
+            for (k, (e, s)) in innovations.errors.iter().zip(&innovations.variances).enumerate() {
+                for i in (0..R).filter(|&i| e[i].is_finite()) {
+                    let whitened = e[i] / s[i].sqrt();
+                    for (&column, sensitivity) in rows.columns.iter().zip(rows.sensitivity(k, i)) {
+                        there.descent[column] += sensitivity * whitened;
                     }
                 }
             }
-            Some((there.information, there.descent))
-        })?;
-        let by_unit = moved.iter().zip(&unknowns).map(|(moved, unknown)| (moved - unknown) / size);
-        note(&mut by_parameter, layout, constant, by_unit);
-    }
-    Some(by_parameter)
+        }
+        Some((there.information, there.descent))
+    })
 }
 
 /// What [`equation_error()`](super::equation_error()) makes of errors of the constants, as [`output_error_constants`]. What noise
@@ -347,15 +346,16 @@ pub(crate) fn equation_error_constants<const N: usize, const R: usize>(
     sizes: &ByConstant,
 ) -> Option<Vec<ByConstant>> {
     let unknowns: Vec<f64> = fit.unknowns.iter().map(|u| u.value).collect();
-    let (layout, _) = rows_at(manoeuvres, structure, settings, &unknowns).ok()?;
+    let (layout, found) = rows_at(manoeuvres, structure, settings, &unknowns).ok()?;
     let end = End::of(fit, &layout)?;
     let rows = |with: &[Manoeuvre<'_, N, R>]| Some(rows_at(with, structure, settings, &end.unknowns).ok()?.1);
-    regressed(manoeuvres, structure, fit, (&layout, &end), sizes, rows)
+    regressed((manoeuvres, found), structure, fit, (&layout, &end), sizes, rows)
 }
 
-/// What a regression makes of errors of the constants; `rows`: residuals and regressors of its equations where it ended.
+/// What a regression makes of errors of the constants. `found`: residuals and regressors of its equations where it ended; `rows`:
+/// those of other manoeuvres there.
 fn regressed<const N: usize, const R: usize>(
-    manoeuvres: &[Manoeuvre<'_, N, R>],
+    (manoeuvres, found): (&[Manoeuvre<'_, N, R>], Vec<Rows<R>>),
     structure: &Structure<N, R>,
     fit: &BatchFit,
     (layout, end): (&Layout<N>, &End),
@@ -368,7 +368,7 @@ fn regressed<const N: usize, const R: usize>(
         rows.into_iter().for_each(|rows| there.add(&rows.whitened(&noise_std, Loss::GAUSSIAN)));
         there
     };
-    let found = at(rows(manoeuvres)?);
+    let found = at(found);
     let theta = layout.parameters(&end.unknowns);
     let mut by_parameter = vec![[0.0; ROOM_FOR_CONSTANTS]; structure.parameters.len()];
     for (constant, size) in sizes.iter().copied().enumerate().filter(|(_, size)| *size > 0.0) {
@@ -377,12 +377,7 @@ fn regressed<const N: usize, const R: usize>(
         // model knows itself what it adds.
         let cleared: Vec<Vec<[f64; R]>> =
             manoeuvres.iter().zip(&plants).map(|(m, plant)| cleared(m, plant, &theta)).collect();
-        let with: Vec<Manoeuvre<'_, N, R>> = displaced(manoeuvres, &plants)
-            .into_iter()
-            .zip(&cleared)
-            .map(|(m, outputs)| Manoeuvre { outputs, ..m })
-            .collect();
-        let with = at(rows(&with)?);
+        let with = at(rows(&with_outputs(&displaced(manoeuvres, &plants), &cleared))?);
         // The equations are linear in the parameters: with their regressors one step is all.
         let step = solve(&with.information, &(with.descent - &found.descent), 0.0, &end.frozen)?;
         note(&mut by_parameter, layout, constant, step.iter().map(|step| step / size));
@@ -399,24 +394,14 @@ pub(crate) fn output_error_frequency_constants<const N: usize, const R: usize>(
     sizes: &ByConstant,
 ) -> Option<Vec<ByConstant>> {
     let (outputs, _) = without_strays(manoeuvres, structure);
-    let clean: Vec<Manoeuvre<'_, N, R>> =
-        manoeuvres.iter().zip(&outputs).map(|(m, outputs)| Manoeuvre { outputs, ..*m }).collect();
-    let BandSimulation { layout, spectrum, floor, motion } = BandSimulation::of(&clean, structure, band).ok()?;
-    let End { unknowns, frozen } = End::of(fit, &layout)?;
-    let mut by_parameter = vec![[0.0; ROOM_FOR_CONSTANTS]; structure.parameters.len()];
-    for (constant, size) in sizes.iter().copied().enumerate().filter(|(_, size)| *size > 0.0) {
-        let plants = plants_of(&clean, constant, size, false);
-        let with = displaced(&clean, &plants);
-        let begin = begun(&clean, &layout, &unknowns, &frozen, (constant, size))?;
-        let moved = stepped(begin, &frozen, |moved| {
-            let time = simulated(&with, &layout, moved, structure.maximum_step_s)?;
-            let there = in_band::evaluate(&layout.places, moved, &spectrum, Some(&motion), &floor, time);
-            Some((there.information, there.descent))
-        })?;
-        let by_unit = moved.iter().zip(&unknowns).map(|(moved, unknown)| (moved - unknown) / size);
-        note(&mut by_parameter, &layout, constant, by_unit);
-    }
-    Some(by_parameter)
+    let manoeuvres = with_outputs(manoeuvres, &outputs);
+    let BandSimulation { layout, spectrum, floor, motion } = BandSimulation::of(&manoeuvres, structure, band).ok()?;
+    let end = End::of(fit, &layout)?;
+    by_steps(&manoeuvres, structure, (&layout, &end), sizes, |with, moved| {
+        let time = simulated(with, &layout, moved, structure.maximum_step_s)?;
+        let there = in_band::evaluate(&layout.places, moved, &spectrum, Some(&motion), &floor, time);
+        Some((there.information, there.descent))
+    })
 }
 
 /// What [`equation_error_frequency()`](super::equation_error_frequency()) makes of errors of the constants, as
@@ -431,7 +416,7 @@ pub(crate) fn equation_error_frequency_constants<const N: usize, const R: usize>
     let equations = InBandEquations::of(manoeuvres, structure, band, settings).ok()?;
     let end = End::of(fit, &equations.layout)?;
     let rows = |with: &[Manoeuvre<'_, N, R>]| equations.transformed(with, structure, settings, &end.unknowns).ok();
-    regressed(manoeuvres, structure, fit, (&equations.layout, &end), sizes, rows)
+    regressed((manoeuvres, rows(manoeuvres)?), structure, fit, (&equations.layout, &end), sizes, rows)
 }
 
 /// The measured outputs of a manoeuvre, those that measure a state without what the constant adds to them. Where a state is

@@ -1,6 +1,6 @@
 //! Equation error: least squares on the equations of motion themselves.
 
-use crate::core::options::{CAPACITY, Likelihood};
+use crate::core::options::CAPACITY;
 use phugoid_estimators::discretization::IntervalInput;
 use phugoid_estimators::{LinearizedOutputs, LinearizedRates};
 
@@ -154,10 +154,7 @@ fn smoothed<const N: usize, const R: usize>(
         }
     }
     let layout: Layout<N> = Layout::new(&held, manoeuvres, nothing_integrated(manoeuvres));
-    let outliers = match structure.likelihood {
-        Likelihood::Robust => Outliers::LeftOut,
-        Likelihood::Gaussian => Outliers::Kept,
-    };
+    let outliers = Outliers::of(structure.likelihood);
     let of = |m: &Manoeuvre<'_, N, R>| Measured::of(m, structure, half, settings.smooth_regressors, outliers);
     let measured = manoeuvres.iter().map(of).collect::<Result<Vec<_>, _>>()?;
     Ok((layout, measured))

@@ -1,6 +1,6 @@
 //! Equation error in the frequency domain: least squares on the equations of motion in a band.
 
-use crate::core::options::{Band, CAPACITY, Likelihood};
+use crate::core::options::{Band, CAPACITY};
 use phugoid_estimators::discretization::IntervalInput;
 use phugoid_estimators::{LinearizedOutputs, LinearizedRates};
 
@@ -113,7 +113,7 @@ pub fn equation_error_frequency<const N: usize, const R: usize>(
 /// The equations of some manoeuvres in a band, and what is unknown in them.
 pub(super) struct InBandEquations<const N: usize, const R: usize> {
     pub(super) layout: Layout<N>,
-    pub(super) spectrum: Spectrum<R>,
+    spectrum: Spectrum<R>,
     measured: Vec<Measured<N, R>>,
     /// All equations at the start of the search, sample by sample.
     every: Vec<Rows<R>>,
@@ -185,10 +185,7 @@ fn measured_in<const N: usize, const R: usize>(
     structure: &Structure<N, R>,
     settings: &EquationErrorSettings,
 ) -> Result<Vec<Measured<N, R>>, BatchError> {
-    let outliers = match structure.likelihood {
-        Likelihood::Robust => Outliers::LeftOut,
-        Likelihood::Gaussian => Outliers::Kept,
-    };
+    let outliers = Outliers::of(structure.likelihood);
     let of = |m: &Manoeuvre<'_, N, R>| Measured::of(m, structure, settings.half_window_s, false, outliers);
     manoeuvres.iter().map(of).collect()
 }

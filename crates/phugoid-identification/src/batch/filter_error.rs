@@ -1,6 +1,5 @@
 //! Filter error: maximum likelihood with process noise.
 
-use crate::core::options::Likelihood;
 use std::cell::RefCell;
 
 use super::error::BatchError;
@@ -8,14 +7,16 @@ use super::filter::Innovations;
 use super::filters::{Filters, step_of};
 use super::likelihood::Evaluation;
 use super::optimise::{OptimiserSettings, minimise};
-use super::problem::{Manoeuvre, ProcessNoise, Structure};
+use super::problem::{Manoeuvre, ProcessNoise, Structure, with_outputs};
 use super::response::Rows;
 use super::result::BatchFit;
 use super::summary::{Summary, summarise};
+use crate::core::options::Likelihood;
 use crate::preparation::noise::{measure_own_noise, without_outliers};
 
 /// Most steps that the search learns the curvature of the cost from.
 const SECANTS: usize = 12;
+
 /// Fits the predictions of a Kalman filter to the measured outputs of all manoeuvres at once.
 ///
 /// Minimises the negative log-likelihood of the innovations,
@@ -62,8 +63,7 @@ pub fn filter_error<const N: usize, const R: usize>(
         )));
     }
     let (outputs, left_out) = without_strays(manoeuvres, structure);
-    let manoeuvres: Vec<Manoeuvre<'_, N, R>> =
-        manoeuvres.iter().zip(&outputs).map(|(m, outputs)| Manoeuvre { outputs, ..*m }).collect();
+    let manoeuvres = with_outputs(manoeuvres, &outputs);
     let filters = Filters::of(&manoeuvres, structure, process_noise)?;
     let (layout, manoeuvres) = (&filters.layout, manoeuvres.as_slice());
     let used = Structure::used(manoeuvres);
@@ -142,9 +142,7 @@ pub(super) fn without_strays<const N: usize, const R: usize>(
 }
 
 /// The outputs of each manoeuvre without outliers, and how many there were, by output.
-pub(super) fn clean<const N: usize, const R: usize>(
-    manoeuvres: &[Manoeuvre<'_, N, R>],
-) -> (Vec<Vec<[f64; R]>>, [usize; R]) {
+fn clean<const N: usize, const R: usize>(manoeuvres: &[Manoeuvre<'_, N, R>]) -> (Vec<Vec<[f64; R]>>, [usize; R]) {
     let mut left_out = [0; R];
     let of = |m: &Manoeuvre<'_, N, R>| {
         let mut outputs = m.outputs.to_vec();

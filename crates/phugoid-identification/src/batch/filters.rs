@@ -23,7 +23,6 @@ const DIFFERENCE: f64 = 1e-3;
 const FIRST_DIFFERENCE: f64 = 1e-5;
 
 /// The Kalman filters of some manoeuvres, as functions of the unknowns.
-#[derive(Clone)]
 pub(super) struct Filters<'a, const N: usize, const R: usize> {
     manoeuvres: &'a [Manoeuvre<'a, N, R>],
     /// The parameters, the biases, and the variances that are searched, by their logarithms.

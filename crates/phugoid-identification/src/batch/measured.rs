@@ -3,6 +3,7 @@
 use super::differentiate::LocalCubics;
 use super::error::BatchError;
 use super::problem::{Manoeuvre, Structure};
+use crate::core::options::Likelihood;
 use crate::preparation::noise::{measure_own_noise, without_outliers};
 
 /// What happens to values that stand out of their neighbours.
@@ -10,6 +11,16 @@ use crate::preparation::noise::{measure_own_noise, without_outliers};
 pub(crate) enum Outliers {
     LeftOut,
     Kept,
+}
+
+impl Outliers {
+    /// As a likelihood takes them.
+    pub(crate) fn of(likelihood: Likelihood) -> Self {
+        match likelihood {
+            Likelihood::Robust => Self::LeftOut,
+            Likelihood::Gaussian => Self::Kept,
+        }
+    }
 }
 
 /// One manoeuvre as measured, with the windows that smooth it.

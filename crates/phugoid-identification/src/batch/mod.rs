@@ -56,6 +56,7 @@ pub(crate) use constants::{
     output_error_constants, output_error_frequency_constants,
 };
 pub(crate) use equation_error::equations_at;
+pub(crate) use problem::with_outputs;
 pub(crate) use row_correlation::RowCorrelation;
 pub(crate) use signal_band::signal_band;
 #[cfg(test)]

@@ -8,7 +8,7 @@ use super::in_band::{self, BandSummary, InBand};
 use super::layout::Layout;
 use super::optimise::OptimiserSettings;
 use super::output_error::{diverged_or_unstable, unstable_note};
-use super::problem::{Bias, Manoeuvre, Structure};
+use super::problem::{Bias, Manoeuvre, Structure, with_outputs};
 use super::relaxation::noise_floor;
 use super::response::{Rows, response};
 use super::result::{BatchFit, UnknownKind};
@@ -43,8 +43,7 @@ pub fn output_error_frequency<const N: usize, const R: usize>(
 ) -> Result<BatchFit, BatchError> {
     structure.check(manoeuvres)?;
     let (outputs, _) = without_strays(manoeuvres, structure);
-    let manoeuvres: Vec<Manoeuvre<'_, N, R>> =
-        manoeuvres.iter().zip(&outputs).map(|(m, outputs)| Manoeuvre { outputs, ..*m }).collect();
+    let manoeuvres = with_outputs(manoeuvres, &outputs);
     let manoeuvres = manoeuvres.as_slice();
     let BandSimulation { layout, spectrum, floor, motion } = BandSimulation::of(manoeuvres, structure, band)?;
     let simulate = |unknowns: &[f64]| -> Result<Vec<Rows<R>>, BatchError> {

@@ -63,6 +63,14 @@ impl<const N: usize, const R: usize> Manoeuvre<'_, N, R> {
     }
 }
 
+/// The manoeuvres with other outputs, by manoeuvre and sample.
+pub(crate) fn with_outputs<'a, const N: usize, const R: usize>(
+    manoeuvres: &[Manoeuvre<'a, N, R>],
+    outputs: &'a [Vec<[f64; R]>],
+) -> Vec<Manoeuvre<'a, N, R>> {
+    manoeuvres.iter().zip(outputs).map(|(manoeuvre, outputs)| Manoeuvre { outputs, ..*manoeuvre }).collect()
+}
+
 /// One parameter of the model: where the search starts, its prior and its bounds.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BatchParameter {

@@ -1,7 +1,7 @@
 //! Where output error has airspeed, flow angles and attitude from: a simulation, or the measurement.
 
 use super::task::Task;
-use crate::batch::{BatchError, BatchFit, Bias, InitialState, Manoeuvre, Structure};
+use crate::batch::{BatchError, BatchFit, Bias, InitialState, Manoeuvre, Structure, with_outputs};
 use crate::core::axes::Axes;
 use crate::core::options::{CAPACITY, FlowAngles};
 use crate::core::output::Output;
@@ -136,11 +136,3 @@ const SMALL_NOISE: f64 = 100.0;
 /// Residuals of a simulated flow angle over the noise of its vane from which on something is missing in the simulation. They are at
 /// most 1.25 on the calm lateral flights of the field's develop part, and at least 1.5 in light turbulence.
 const CALM_RESIDUALS: f64 = 1.3;
-
-/// The manoeuvres with other outputs.
-pub(super) fn with_outputs<'a, const N: usize, const R: usize>(
-    manoeuvres: &[Manoeuvre<'a, N, R>],
-    outputs: &'a [Vec<[f64; R]>],
-) -> Vec<Manoeuvre<'a, N, R>> {
-    manoeuvres.iter().zip(outputs).map(|(manoeuvre, outputs)| Manoeuvre { outputs, ..*manoeuvre }).collect()
-}

@@ -4,14 +4,14 @@ use phugoid_estimators::discretization::InputHold;
 use phugoid_estimators::{ParameterStatus, Phase, Status};
 use phugoid_flight_data::record::Record;
 
-use super::air_data::{WithAirData, with_air_data, with_outputs};
+use super::air_data::{WithAirData, with_air_data};
 use super::constants::systematic;
 use super::readiness::ColumnVerdict;
 use super::settings::{sample_time, shared_settings};
 use super::task::{ColumnRun, Run, Task};
 use crate::batch::{
     self, BatchError, BatchFit, BatchParameter, Bias, Equation, EquationErrorSettings, InitialState, Manoeuvre,
-    ManoeuvreFit, Noise, OptimiserSettings, OutputChannel, ProcessNoise, Structure, Unknown, UnknownKind,
+    ManoeuvreFit, Noise, OptimiserSettings, OutputChannel, ProcessNoise, Structure, Unknown, UnknownKind, with_outputs,
 };
 use crate::core::error::EstimateError;
 use crate::core::estimation::{BatchReport, OtherValue, Prediction, PredictionInterval, SecondAnswer, Signal};

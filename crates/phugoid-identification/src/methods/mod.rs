@@ -56,7 +56,12 @@ pub(crate) fn run<M: EveryRoom<N, R>, const N: usize, const R: usize>(
         }
     } else if matches!(method, Method::OutputError | Method::FilterError) {
         // A change of the aircraft in flight bends these as it bends equation error, which looks for none.
-        run.third_answer = second::by_filter(task).ok();
+        let answer = second::by_filter(task).ok();
+        match run.second_answer {
+            Some(_) => run.third_answer = answer,
+            None if answer.is_some() => (run.second_answer, run.no_second_answer) = (answer, None),
+            None => {}
+        }
     }
     Ok(run)
 }
