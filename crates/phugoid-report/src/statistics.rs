@@ -51,7 +51,7 @@ pub struct OutputFit {
     pub unit: String,
     /// Standard deviation of the measurement noise that the estimation used, SI; `None` if it does not say.
     pub noise: Option<f64>,
-    /// Root mean square of measured minus predicted one sample ahead, SI; NaN without common samples.
+    /// Root mean square of measured minus predicted (one sample ahead; of a batch method the fitted output), SI; NaN without common samples.
     pub rms_error: f64,
     /// Root mean square of the whitened residual; 1 if model and noise are right; NaN without residuals.
     pub residual_rms: f64,

@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use phugoid_identification::estimation::Signal;
+use phugoid_identification::estimate::Method;
+use phugoid_identification::estimation::{Estimation, Signal};
 
 use super::context::{Context, display_axis, scaled};
 use crate::figure::{Axis, Colour, Figure, LINE_COLOURS, Panel, Series, SeriesKind};
@@ -20,21 +21,42 @@ pub(super) fn inputs(context: &Context) -> Option<(String, Figure)> {
     (!inputs.is_empty()).then(|| ("inputs".to_owned(), figure))
 }
 
+/// What the outputs of the estimated model are, of a result by its method: in the legend, and in a sentence.
+fn of_the_model(estimation: &Estimation) -> (&'static str, &'static str) {
+    let is_measured = estimation.batch.as_ref().is_some_and(|report| report.measured_angles);
+    match estimation.method {
+        method if method.is_equation_error() => (
+            "estimated model at the smoothed states",
+            "the smoothed states, and the accelerations that the estimated model has at them",
+        ),
+        Method::OutputError | Method::OutputErrorFrequency if is_measured => (
+            "estimated model, simulated",
+            "the estimated model, simulated from a fitted initial state with airspeed, flow angles and attitude as measured",
+        ),
+        Method::OutputError | Method::OutputErrorFrequency => (
+            "estimated model, simulated",
+            "the estimated model, simulated from a fitted initial state without a correction by any measurement",
+        ),
+        _ => (
+            "estimated model, one step ahead",
+            "the estimated model one sample ahead, before it is corrected by the measurement it is compared with",
+        ),
+    }
+}
+
 /// The measured outputs and their predictions; `None` without outputs.
 pub(super) fn outputs(context: &Context) -> Option<(String, Figure)> {
     let history = &context.estimation.history;
-    let mut figure = context.figure(
-        "Measured and estimated-model outputs",
-        "Dots: measurements. Line: the estimated model one sample ahead, before it is corrected by the measurement it \
-         is compared with.",
-    );
+    let (line, what) = of_the_model(context.estimation);
+    let caption = format!("Dots: measurements. Line: {what}.");
+    let mut figure = context.figure("Measured and estimated-model outputs", &caption);
     for measured in &history.measured {
         let (axis, unit) = display_axis(signal_label(&measured.name), &measured.unit);
         let dots = SeriesKind::Points(scaled(&measured.values, &unit));
         let mut series = vec![Series::new("measured", Colour::Ink, &context.time, dots)];
         if let Some(predicted) = history.predicted.iter().find(|p| p.name == measured.name) {
-            let line = SeriesKind::Line(scaled(&predicted.values, &unit));
-            series.push(Series::new("estimated model, one step ahead", Colour::Vermillion, &context.time, line));
+            let values = SeriesKind::Line(scaled(&predicted.values, &unit));
+            series.push(Series::new(line, Colour::Vermillion, &context.time, values));
         }
         figure.panels.push(Panel::plot(axis, series));
     }
