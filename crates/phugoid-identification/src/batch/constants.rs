@@ -375,8 +375,7 @@ fn regressed<const N: usize, const R: usize>(
         let plants = plants_of(manoeuvres, constant, size, true);
         // The states are taken as measured, without what the constant adds to what is shown of them. Of the other outputs the
         // model knows itself what it adds.
-        let cleared: Vec<Vec<[f64; R]>> =
-            manoeuvres.iter().zip(&plants).map(|(m, plant)| cleared(m, plant, &theta)).collect();
+        let cleared: Vec<Vec<[f64; R]>> = manoeuvres.iter().map(|m| cleared(m, (constant, size), &theta)).collect();
         let with = at(rows(&with_outputs(&displaced(manoeuvres, &plants), &cleared))?);
         // The equations are linear in the parameters: with their regressors one step is all.
         let step = solve(&with.information, &(with.descent - &found.descent), 0.0, &end.frozen)?;
@@ -419,13 +418,14 @@ pub(crate) fn equation_error_frequency_constants<const N: usize, const R: usize>
     regressed((manoeuvres, rows(manoeuvres)?), structure, fit, (&equations.layout, &end), sizes, rows)
 }
 
-/// The measured outputs of a manoeuvre, those that measure a state without what the constant adds to them. Where a state is
-/// not measured nothing is known of that, and they stay as they are.
-fn cleared<const N: usize, const R: usize>(
+/// The measured outputs of a manoeuvre, those that measure a state without what a constant that is off by a size adds to them. Where a
+/// state is not measured nothing is known of that, and they stay as they are.
+pub(crate) fn cleared<const N: usize, const R: usize>(
     m: &Manoeuvre<'_, N, R>,
-    plant: &Displaced<'_, N, R>,
+    (constant, size): (usize, f64),
     theta: &[f64; CAPACITY],
 ) -> Vec<[f64; R]> {
+    let plant = Displaced { plant: m.plant, constant, size, states_are_clear: false };
     let measuring: [Option<usize>; N] = std::array::from_fn(|i| m.plant.measuring_output(i));
     let each = |(k, outputs): (usize, &[f64; R])| {
         let x: [f64; N] = measuring.map(|output| output.map_or(f64::NAN, |output| outputs[output]));

@@ -52,7 +52,7 @@ mod summary;
 mod table;
 
 pub(crate) use constants::{
-    ByConstant, equation_error_constants, equation_error_frequency_constants, filter_error_constants,
+    ByConstant, cleared, equation_error_constants, equation_error_frequency_constants, filter_error_constants,
     output_error_constants, output_error_frequency_constants,
 };
 pub(crate) use equation_error::equations_at;

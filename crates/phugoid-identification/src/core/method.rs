@@ -113,8 +113,9 @@ impl Method {
         matches!(self, Self::Smpe | Self::Ekf)
     }
 
-    /// Whether it can follow what errors of constants (scales of sensors, mass, ...) do to its estimate; for the others they
-    /// are carried into the bounds by powers of the scales.
+    /// Whether it follows what errors of constants (scales of sensors, mass, ...) do to its estimate while it runs; for the others they
+    /// are carried into the bounds by powers of the scales, and for a [recursive regression](Self::is_recursive_regression) over a whole
+    /// record the runs are made again.
     pub fn follows_constants(self) -> bool {
         matches!(self, Self::Smpe | Self::Ekf) || self.is_batch()
     }

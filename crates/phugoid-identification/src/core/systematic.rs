@@ -4,8 +4,10 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-/// Room for the constants whose errors a method follows: those of the motion that has most.
-pub(crate) const ROOM_FOR_CONSTANTS: usize = 21;
+/// Room for the constants whose errors a method follows: those of the motion that has most, which is the whole one.
+pub(crate) const ROOM_FOR_CONSTANTS: usize = 29;
+/// The same of the longitudinal and the lateral-directional motion: a filter takes time for room that it does not use.
+pub(crate) const ROOM_FOR_CONSTANTS_OF_A_PLANE: usize = 21;
 
 /// A quantity with a declared uncertainty. Written as its key under `[uncertainty]`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]

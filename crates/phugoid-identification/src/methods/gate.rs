@@ -8,7 +8,9 @@
 use phugoid_estimators::{ConstantEffects, Input, LinearizedOutputs, LinearizedRates, Model, RegressorShift};
 
 use crate::core::axes::{Axes, Group};
+use crate::core::options::CAPACITY;
 use crate::core::output::Output;
+use crate::core::systematic::{ROOM_FOR_CONSTANTS, UncertainQuantity};
 use crate::model_file::{Base, ModelFile};
 use crate::models::longitudinal::Database;
 use crate::models::surface_motion::SurfaceMotion;
@@ -40,12 +42,30 @@ pub(crate) struct Gated<M> {
     groups: Vec<Group>,
     /// Whether errors of constants are followed: the model file declares some.
     considers: bool,
+    displaced: Option<Box<DisplacedConstant>>,
+}
+
+/// A constant of the motion that is off, as a recursive regression is run with it to see what it does.
+#[derive(Clone, Debug)]
+pub(crate) struct DisplacedConstant {
+    /// Its column of [`Motion::effects`].
+    pub(super) constant: usize,
+    /// By how much, in the unit of its quantity.
+    pub(super) size: f64,
+    /// The parameters with which it acts on rates and outputs.
+    pub(super) theta: [f64; CAPACITY],
 }
 
 impl<M> Gated<M> {
     pub(super) fn new(model: M, file: &ModelFile) -> Self {
         let groups = terms(file).0.iter().map(|(coefficient, _)| coefficient.group()).collect();
-        Self { model, groups, considers: file.uncertainty.follows() }
+        Self { model, groups, considers: file.uncertainty.follows(), displaced: None }
+    }
+
+    /// With a constant that is off: rates, and the outputs that measure no state, are those of the model and what the constant adds to
+    /// them.
+    pub(super) fn displaced(self, displaced: &DisplacedConstant) -> Self {
+        Self { displaced: Some(Box::new(displaced.clone())), ..self }
     }
 
     /// Columns of the groups on which nothing has moved. A motion of one group alone does not reach this: it waits as a
@@ -68,6 +88,24 @@ impl<M> Gated<M> {
     }
 }
 
+/// Adds what a displaced constant does to rates and outputs.
+#[cold]
+#[inline(never)]
+fn displace<M: Motion<N, R>, const N: usize, const R: usize>(
+    model: &M,
+    displaced: &DisplacedConstant,
+    x: &[f64; N],
+    u: &GatedInput<M::KnownInput>,
+    rates: &mut [f64; N],
+    outputs: &mut [f64; R],
+) {
+    let mut effects = ConstantEffects::<N, R, ROOM_FOR_CONSTANTS>::ZERO;
+    model.effects(x, &displaced.theta, &u.input, &u.surfaces, &mut effects);
+    let of = |row: &[f64; ROOM_FOR_CONSTANTS]| displaced.size * row.get(displaced.constant).copied().unwrap_or(0.0);
+    rates.iter_mut().zip(&effects.rates).for_each(|(rate, row)| *rate += of(row));
+    outputs.iter_mut().zip(&effects.outputs).for_each(|(output, row)| *output += of(row));
+}
+
 /// Which groups are open: in absolute form all, since steady flight determines sums of parameters; increments where
 /// something has moved, and with one group alone all, since the estimation then starts anew with the first motion.
 pub(super) fn open(axes: Axes, base: Base, moved: Moved) -> Moved {
@@ -78,6 +116,8 @@ impl<M: Motion<N, R>, const N: usize, const R: usize> Motion<N, R> for Gated<M> 
     type KnownInput = GatedInput<M::KnownInput>;
 
     const AXES: Axes = M::AXES;
+
+    const CONSTANTS: &'static [UncertainQuantity] = M::CONSTANTS;
 
     fn build(file: &ModelFile, database: Database, reference: &ReferencePoint) -> Self {
         Self::new(M::build(file, database, reference), file)
@@ -100,13 +140,20 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> Mo
     }
 
     fn rates(&self, x: &[f64; N], theta: &[f64; P], u: &Self::Input) -> [f64; N] {
-        self.model.rates(x, theta, &u.input)
+        let mut rates = self.model.rates(x, theta, &u.input);
+        if let Some(displaced) = &self.displaced {
+            displace(&self.model, displaced, x, u, &mut rates, &mut [0.0; R]);
+        }
+        rates
     }
 
     #[inline]
     fn linearized_rates(&self, x: &[f64; N], theta: &[f64; P], u: &Self::Input, out: &mut LinearizedRates<N, P>) {
         self.model.linearized_rates(x, theta, &u.input, out);
         self.close(u.open, &mut out.regressors);
+        if let Some(displaced) = &self.displaced {
+            displace(&self.model, displaced, x, u, &mut out.rates, &mut [0.0; R]);
+        }
     }
 
     #[inline]
@@ -119,6 +166,15 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> Mo
     ) {
         self.model.linearized_outputs(x, theta, &u.input, out);
         self.close(u.open, &mut out.parameter_jacobian);
+        if let Some(displaced) = &self.displaced {
+            let mut outputs = out.outputs;
+            displace(&self.model, displaced, x, u, &mut [0.0; N], &mut outputs);
+            // Of the states the record is without the constant.
+            for output in (0..N).filter_map(|state| self.model.measuring_output(state)) {
+                outputs[output] = out.outputs[output];
+            }
+            out.outputs = outputs;
+        }
     }
 
     fn measuring_output(&self, state: usize) -> Option<usize> {

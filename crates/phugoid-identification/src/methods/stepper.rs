@@ -165,9 +165,13 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> St
         task: &Task<M, N, R>,
         set_up: SetUp<Gated<M>, GatedInput<M::KnownInput>, N, R, P>,
     ) -> Result<Self, EstimateError> {
-        let Task { prepared, file, options, noise, health, model_error } = *task;
+        let Task { prepared, file, options, noise, health, model_error, displaced } = *task;
         let shared = shared_settings::<M, N, R, P>(prepared, file, options, noise)?;
         let gated = Gated::new(prepared.model.clone(), file);
+        let gated = match displaced {
+            Some(displaced) => gated.displaced(displaced),
+            None => gated,
+        };
         let method = task.method();
         let learns = file.noise_learning && method.learns_noise();
         let settings = if learns { learning(&shared, M::AXES, noise, model_error) } else { shared };

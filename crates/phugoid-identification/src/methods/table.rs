@@ -17,7 +17,7 @@ use phugoid_estimators::{Input, Inspect};
 
 use crate::core::error::EstimateError;
 use crate::core::method::Method;
-use crate::core::systematic::ROOM_FOR_CONSTANTS;
+use crate::core::systematic::{ROOM_FOR_CONSTANTS, ROOM_FOR_CONSTANTS_OF_A_PLANE};
 use crate::motion::MotionModel;
 use crate::preparation::front_end::KinematicFrontEnd;
 
@@ -92,6 +92,9 @@ pub(super) fn set_up<M: MotionModel<N, R, P>, const N: usize, const R: usize, co
 ) -> Result<Boxed<M::KnownInput, R, P>, EstimateError> {
     let estimator = match method {
         Method::Smpe => return set_up_smpe(model, settings),
+        Method::Ekf if const { M::CONSTANTS.len() <= ROOM_FOR_CONSTANTS_OF_A_PLANE } => {
+            place(|| ConsideringEkf::<M, N, R, P, ROOM_FOR_CONSTANTS_OF_A_PLANE>::new(model, *settings))
+        }
         Method::Ekf => place(|| ConsideringEkf::<M, N, R, P, ROOM_FOR_CONSTANTS>::new(model, *settings)),
         Method::Rls => place(|| Ok(RecursiveLeastSquares::new(rows(model, settings, gravity)?))),
         Method::Fourier => place(|| FourierRegression::new(rows(model, settings, gravity)?)),
@@ -117,7 +120,12 @@ pub(super) fn set_up_smpe<M: MotionModel<N, R, P>, const N: usize, const R: usiz
     model: M,
     settings: &EstimatorSettings<N, R, P>,
 ) -> Result<Boxed<M::KnownInput, R, P>, EstimateError> {
-    place(|| ConsideringSmpe::<M, N, R, P, ROOM_FOR_CONSTANTS>::new(model, *settings)).map_err(EstimateError::Settings)
+    let placed = if const { M::CONSTANTS.len() <= ROOM_FOR_CONSTANTS_OF_A_PLANE } {
+        place(|| ConsideringSmpe::<M, N, R, P, ROOM_FOR_CONSTANTS_OF_A_PLANE>::new(model, *settings))
+    } else {
+        place(|| ConsideringSmpe::<M, N, R, P, ROOM_FOR_CONSTANTS>::new(model, *settings))
+    };
+    placed.map_err(EstimateError::Settings)
 }
 
 type Rows<M, const N: usize, const R: usize, const P: usize> = Regression<M, KinematicFrontEnd<M, N, R>, N, R, P>;

@@ -3,6 +3,7 @@
 use phugoid_estimators::{DetectorReport, Innovations, ParameterStatus, Phase, Status};
 
 use super::consistency::OutputUse;
+use super::gate::DisplacedConstant;
 use super::health_watch::HealthRun;
 use super::readiness::ColumnVerdict;
 use super::snapshot::Snapshot;
@@ -78,6 +79,12 @@ impl<const R: usize> Run<R> {
         self.evidence_from(0)
     }
 
+    /// The first sample with a prediction after something has moved; the first one of all where there is none. Before it the parameters
+    /// have the errors of their priors.
+    pub(crate) fn first_moved(&self) -> usize {
+        self.log_density.iter().position(|row| row.iter().any(|nats| nats.is_finite())).unwrap_or(0)
+    }
+
     /// The same of the samples from this one on.
     pub(crate) fn evidence_from(&self, sample: usize) -> f64 {
         self.log_density.iter().skip(sample).flatten().filter(|nats| nats.is_finite()).sum()
@@ -150,6 +157,8 @@ pub(crate) struct Task<'a, M: Motion<N, R>, const N: usize, const R: usize> {
     /// The options of the health monitor; `None` without one.
     pub(crate) health: Option<&'a HealthOptions>,
     pub(crate) model_error: ModelError,
+    /// The constant that is off in the model, of a run that is to show what it does; `None` in all others.
+    pub(crate) displaced: Option<&'a DisplacedConstant>,
 }
 
 /// How the process noise of the rates is learnt, which stands for the moments that the model lacks.
@@ -171,7 +180,7 @@ impl<'a, M: Motion<N, R>, const N: usize, const R: usize> Task<'a, M, N, R> {
     ) -> Self {
         let looks = options.change_detection.unwrap_or(file.change_detection);
         let model_error = if looks { ModelError::Slow } else { ModelError::Free };
-        Self { prepared, file, options, noise, health: None, model_error }
+        Self { prepared, file, options, noise, health: None, model_error, displaced: None }
     }
 
     /// The method: as asked for, else as the model file says.
@@ -181,7 +190,12 @@ impl<'a, M: Motion<N, R>, const N: usize, const R: usize> Task<'a, M, N, R> {
 
     /// Whether errors of declared constants are to be followed: the method can, the motion has some, and some are declared.
     pub(crate) fn follows_constants(&self) -> bool {
-        self.method().follows_constants() && self.file.uncertainty.follows() && !M::CONSTANTS.is_empty()
+        self.method().follows_constants() && self.declares_constants()
+    }
+
+    /// Whether there are constants to follow: the motion has some, and some are declared.
+    pub(crate) fn declares_constants(&self) -> bool {
+        self.file.uncertainty.follows() && !M::CONSTANTS.is_empty()
     }
 }
 

@@ -3,8 +3,9 @@
 //!
 //! A scale that is wrong by one part in a hundred is taken up by the derivatives, and the residuals stay as small as
 //! before. So its uncertainty has to be declared, and goes into the bounds: to first order each derivative is
-//! proportional to a product of powers of the scales. SMPE, the joint filter and the batch methods follow what each error really does to their estimate
-//! instead, and know of lags, of the centre of gravity and of others that have no powers as well (docs/uncertainty.md).
+//! proportional to a product of powers of the scales. SMPE, the joint filter and the batch methods, and the recursive regressions over a
+//! whole record, follow what each error really does to their estimate instead, and know of lags, of the centre of gravity and of others
+//! that have no powers as well (docs/uncertainty.md).
 
 use super::error::ModelFileError;
 use super::section::Section;
@@ -85,8 +86,8 @@ impl BaseUncertainty {
 pub enum Propagation {
     /// Each derivative is proportional to a product of powers of the scales, and knows nothing of the other quantities.
     Powers,
-    /// SMPE, the joint filter and the batch methods follow what each error does to their estimate; other methods
-    /// as [`Propagation::Powers`].
+    /// SMPE, the joint filter and the batch methods follow what each error does to their estimate, and the recursive regressions do over
+    /// a whole record; other methods, and the regressions in flight, as [`Propagation::Powers`].
     #[default]
     Recursion,
 }
@@ -398,8 +399,8 @@ impl Uncertainty {
         let not_inside = match outside.as_slice() {
             [] => String::new(),
             outside => format!(
-                " They do not contain {}: only smpe, ekf and the batch methods follow such errors, with all six \
-                 coefficients none does, and none with propagation = \"powers\" under [uncertainty].",
+                " They do not contain {}: smpe and ekf follow such errors in flight, the batch methods and the recursive \
+                 regressions over a whole record, and no method with propagation = \"powers\" under [uncertainty].",
                 words(outside).join(", ")
             ),
         };

@@ -5,4 +5,6 @@ pub mod lateral;
 pub mod longitudinal;
 pub mod rigid;
 pub mod six;
+#[cfg(test)]
+mod small_errors;
 pub(crate) mod surface_motion;

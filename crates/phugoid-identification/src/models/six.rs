@@ -1,9 +1,12 @@
 //! The whole motion of an aircraft, all six coefficients at once, as a model for the estimators.
 
-use phugoid_estimators::{Input, LinearizedOutputs, LinearizedRates, Model};
+pub(crate) mod constants;
+
+use phugoid_estimators::{Input, LinearizedOutputs, LinearizedRates, Model, RegressorShift};
 use phugoid_flight_dynamics::rigid_body::{Angles, attitude_equations, force_equations};
 use phugoid_flight_dynamics::scalar::{Dual, Scalar};
 
+use crate::core::scaling::ScalingPowers;
 use crate::core::term::{Coefficient, FACTORS, Term};
 use crate::models::longitudinal::Database;
 use crate::models::rigid::{Aerodynamics, Air, AircraftConstants, MassInput, Surfaces};
@@ -56,6 +59,20 @@ impl Input for SixInput {
 pub struct SixModel {
     aerodynamics: Aerodynamics,
     thrust_direction: [f64; 2],
+    /// By which powers of the scales the regressor of each column goes.
+    scaling: Vec<ScalingPowers>,
+    /// What constants add to it of the regressors of other columns.
+    shifts: Vec<Vec<RegressorShift>>,
+}
+
+/// What constants of the aircraft and of the air are multiplied by.
+#[derive(Clone, Copy)]
+struct Factors<T> {
+    density: T,
+    /// Of chord and span, and twice of the wing area.
+    length: T,
+    mass: T,
+    thrust: T,
 }
 
 /// The rates of the states, and what the outputs need, at one point.
@@ -74,7 +91,11 @@ impl SixModel {
         known: Vec<(Coefficient, Term, f64)>,
     ) -> Self {
         let (sin, cos) = constants.thrust_inclination.sin_cos();
-        Self { aerodynamics: Aerodynamics { constants, database, known, columns }, thrust_direction: [cos, -sin] }
+        let by_airspeed = constants.rate_speed.is_none();
+        let scaling = columns.iter().map(|(c, t)| ScalingPowers::of(*c, t, by_airspeed)).collect();
+        let shifts = constants::shifts(&columns, &constants);
+        let aerodynamics = Aerodynamics { constants, database, known, columns };
+        Self { aerodynamics, thrust_direction: [cos, -sin], scaling, shifts }
     }
 
     /// The constants of the aircraft that the model was built with.
@@ -89,27 +110,57 @@ impl SixModel {
 
     #[inline(always)]
     fn motion<T: Scalar>(&self, x: &[T; SIX_STATES], theta: &[f64], u: &SixInput) -> Motion<T> {
+        self.motion_with(x, theta, u, &u.surfaces.deflections(), None)
+    }
+
+    /// The motion with the deflections in the type of the equations, and constants multiplied by factors; none: as they are.
+    #[inline(always)]
+    fn motion_with<T: Scalar>(
+        &self,
+        x: &[T; SIX_STATES],
+        theta: &[f64],
+        u: &SixInput,
+        deflections: &[T; 3],
+        factors: Option<Factors<T>>,
+    ) -> Motion<T> {
         let c = &self.aerodynamics.constants;
         let [speed, alpha, beta, phi, pitch, p, q, r] = *x;
         let rates = [p, q, r];
-        let air = Air { speed, alpha, beta, rates, density: T::from(u.air_density), mach: None };
+        let density = T::from(u.air_density);
+        // Rates are made dimensionless with the lengths.
+        let (density, of_terms) = match factors {
+            Some(f) => (density * f.density, rates.map(|rate| rate * f.length)),
+            None => (density, rates),
+        };
+        let air = Air { speed, alpha, beta, rates: of_terms, density, mach: None };
         let angles = Angles::of(alpha, beta, phi, pitch);
-        let deflections = u.surfaces.deflections();
-        let variables = self.aerodynamics.variables(&air, &deflections, &u.surfaces.extra);
+        let variables = self.aerodynamics.variables(&air, deflections, &u.surfaces.extra);
         let coefficients =
-            self.aerodynamics.coefficients(theta, &air, &variables, &deflections, angles.sin_alpha, angles.cos_alpha);
-        let force = speed * speed * (0.5 * u.air_density * c.wing_area);
-        let acceleration = force / u.mass.mass;
+            self.aerodynamics.coefficients(theta, &air, &variables, deflections, angles.sin_alpha, angles.cos_alpha);
+        let mut force = speed * speed * (0.5 * u.air_density * c.wing_area);
         let [thrust_x, thrust_z] = self.thrust_direction.map(|d| d * u.thrust / u.mass.mass);
+        let [mut thrust_x, mut thrust_z] = [thrust_x, thrust_z].map(T::from);
+        let mut thrust_moment = T::from(u.thrust * c.thrust_arm);
+        let (mut span, mut chord) = (T::from(c.span), T::from(c.mean_chord));
+        if let Some(f) = factors {
+            force = force * f.density * f.length * f.length;
+            (span, chord) = (span * f.length, chord * f.length);
+            (thrust_x, thrust_z) = (thrust_x * f.thrust / f.mass, thrust_z * f.thrust / f.mass);
+            thrust_moment = thrust_moment * f.thrust;
+        }
+        let mut acceleration = force / u.mass.mass;
+        if let Some(f) = factors {
+            acceleration = acceleration / f.mass;
+        }
         let specific_force = [
             coefficients.cx * acceleration + thrust_x,
             coefficients.cy * acceleration,
             coefficients.cz * acceleration + thrust_z,
         ];
-        let span_moment = force * c.span;
+        let span_moment = force * span;
         let moment = [
             coefficients.cl * span_moment,
-            coefficients.cm * (force * c.mean_chord) + u.thrust * c.thrust_arm,
+            coefficients.cm * (force * chord) + thrust_moment,
             coefficients.cn * span_moment,
         ];
         let [speed_rate, alpha_rate, beta_rate] =

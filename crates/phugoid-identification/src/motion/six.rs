@@ -1,14 +1,18 @@
 //! The whole motion, as the estimation takes it, and what the lateral-directional one has in common with it.
 
+use phugoid_estimators::{ConstantEffects, RegressorShift};
 use phugoid_flight_dynamics::aircraft::Aircraft as _;
 
 use super::{Known, Motion, ReferencePoint, terms};
 use crate::core::axes::Axes;
 use crate::core::output::Output;
+use crate::core::systematic::UncertainQuantity;
 use crate::model_file::{ModelFile, RateSpeed};
 use crate::models::longitudinal::Database;
 use crate::models::rigid::{AircraftConstants, MassInput, Surfaces};
+use crate::models::six::constants::{BIAS_OF_ALPHA, BIAS_OF_BETA, CONSTANTS};
 use crate::models::six::{SIX_OUTPUTS, SIX_STATES, SixInput, SixModel};
+use crate::models::surface_motion::SurfaceMotion;
 
 impl Motion<SIX_STATES, SIX_OUTPUTS> for SixModel {
     type KnownInput = SixInput;
@@ -26,6 +30,39 @@ impl Motion<SIX_STATES, SIX_OUTPUTS> for SixModel {
 
     fn known_channel(_: &SixInput, _: Output) -> Option<f64> {
         None
+    }
+
+    const CONSTANTS: &'static [UncertainQuantity] = &CONSTANTS;
+
+    fn bias_constant(output: Output) -> Option<usize> {
+        match output {
+            Output::Alpha => Some(BIAS_OF_ALPHA),
+            Output::Beta => Some(BIAS_OF_BETA),
+            _ => None,
+        }
+    }
+
+    fn deflections(input: &SixInput) -> [f64; 3] {
+        input.surfaces.deflections()
+    }
+
+    fn effects<const P: usize, const K: usize>(
+        &self,
+        x: &[f64; SIX_STATES],
+        theta: &[f64; P],
+        u: &SixInput,
+        surfaces: &SurfaceMotion,
+        out: &mut ConstantEffects<SIX_STATES, SIX_OUTPUTS, K>,
+    ) {
+        self.effects_of_constants(x, theta, u, surfaces, out);
+    }
+
+    fn regressor_powers<const K: usize>(&self, x: &[f64; SIX_STATES], column: usize) -> [f64; K] {
+        self.powers_of_constants(x, column)
+    }
+
+    fn regressor_shifts(&self, column: usize) -> &[RegressorShift] {
+        self.shifts_of_constants(column)
     }
 }
 

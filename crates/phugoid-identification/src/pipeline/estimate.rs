@@ -15,7 +15,7 @@ use crate::judge::offer::{
 };
 pub use crate::judge::offer::{tried_by_the_method, with_offered};
 use crate::judge::summary::summarise;
-use crate::methods::{EveryRoom, HealthRun, Task, beside_causal, run};
+use crate::methods::{EveryRoom, HealthRun, Task, beside_causal, follow_regression, run};
 use crate::model_file::ModelFile;
 use crate::models::lateral::LateralModel;
 use crate::models::longitudinal::LongitudinalModel;
@@ -252,6 +252,7 @@ fn once<'a, M: EveryRoom<N, R> + 'a, const N: usize, const R: usize>(
             Some(Err(error)) => run.no_second_answer = Some(error.to_string()),
             None => {}
         }
+        follow_regression(&task, &mut run);
     }
     progress(1.0);
     let watched = run.health.take();

@@ -108,6 +108,8 @@ fn claims_of_declared_scales_are_what_happens() {
         (Method::EquationErrorFrequency, 601),
         (Method::OutputErrorFrequency, 601),
         (Method::EquationError, 601),
+        (Method::Rls, 601),
+        (Method::Fourier, 601),
     ] {
         let mut record = whole.clone();
         record.time.truncate(length);

@@ -96,7 +96,7 @@ fn a_scale_that_is_off_stays_within_the_bounds_that_hold_by_default() {
     let [default, none] = ["", "[uncertainty]\n"].map(|uncertainty| model("f16", uncertainty, &right));
     assert!(default.uncertainty.by_default && !none.uncertainty.by_default);
     let mut worst = [0.0_f64; 2];
-    // Where a few are tried, the first. Those in the frequency domain and `rls` carry the errors by the powers of the scales.
+    // Where a few are tried, the first.
     let methods = [
         Method::Smpe,
         Method::EquationError,
@@ -132,22 +132,26 @@ fn a_scale_that_is_off_stays_within_the_bounds_that_hold_by_default() {
     assert!(with < 3.0 && without > 10.0, "{with} {without}");
 }
 
-/// What is claimed for one quantity by itself against what it does, by the causal methods and the regression that follow it.
+/// What is claimed for one quantity by itself against what it does, by the methods that follow it.
 /// Output error is not in it: what it claims is for an error of one sigma, after which it finds its noise anew, and not for a
 /// small one; the test above flies that.
 ///
 /// Allowed: a tenth of what happens, a quarter of the random standard error, and a twentieth of what any of the quantities does to
 /// the parameter, which as the root of the sum of squares changes a bound by 3 % and less.
-#[test]
-fn what_is_claimed_of_an_increment_is_what_an_error_does() {
-    let right = flown("f16-calm");
+fn claims_are_what_an_error_does(
+    scenario: &str,
+    model_name: &str,
+    methods: &[Method],
+    quantities: &[UncertainQuantity],
+) {
+    let right = flown(scenario);
     const SIGMA: f64 = 0.03;
     const SMALL: f64 = 5e-4;
     let mut beyond = Vec::new();
-    for method in [Method::Smpe, Method::Ekf, Method::EquationError] {
+    for &method in methods {
         let mut tried = Vec::new();
-        for quantity in SCALES {
-            let model = model("f16-model", &format!("[uncertainty]\n{} = {SIGMA}\n", quantity.key()), &right);
+        for &quantity in quantities {
+            let model = model(model_name, &format!("[uncertainty]\n{} = {SIGMA}\n", quantity.key()), &right);
             let found = estimated(&right.measured, &model, method);
             let (mut record, mut wrong) = (right.measured.clone(), model.clone());
             put(quantity, SMALL, &mut record, &mut wrong);
@@ -170,6 +174,21 @@ fn what_is_claimed_of_an_increment_is_what_an_error_does() {
     assert!(beyond.is_empty(), "{}", beyond.join("\n"));
 }
 
+#[test]
+fn what_is_claimed_of_an_increment_is_what_an_error_does() {
+    let methods = [Method::Smpe, Method::Ekf, Method::EquationError, Method::Rls];
+    claims_are_what_an_error_does("f16-calm", "f16-model", &methods, &SCALES);
+}
+
+/// The same with all six coefficients, of quantities that are one constant each. SMPE and RLS are not in it: of what the airspeed does to
+/// `dCL_alpha` SMPE claims 0.018 where it is 0.025, and RLS claims 2.5 times what it does to `dCL_q`, which the flight hardly shows. The
+/// next test flies SMPE.
+#[test]
+fn what_is_claimed_of_all_six_coefficients_is_what_an_error_does() {
+    let quantities = [UncertainQuantity::AirspeedScale, UncertainQuantity::Mass];
+    claims_are_what_an_error_does("f16-six", "f16-six", &[Method::Ekf, Method::EquationError], &quantities);
+}
+
 /// The derivatives that make most of a motion; the others are small, and also take up what is left of these.
 const MAIN: [&str; 12] = [
     "dCL_alpha",
@@ -186,8 +205,7 @@ const MAIN: [&str; 12] = [
     "dCn_rudder",
 ];
 
-/// The six coefficients and the lateral-directional ones carry the errors by powers of the scales, whatever the method. These
-/// are right to first order where each derivative takes up its own scale.
+/// All six coefficients, and the lateral-directional ones.
 #[test]
 fn six_coefficients_hold_the_scales_of_the_whole_derivatives() {
     let mut worst = [0.0_f64; 3];
@@ -219,5 +237,6 @@ fn six_coefficients_hold_the_scales_of_the_whole_derivatives() {
     println!(
         "at most {main:.2} claimed standard errors, {others:.2} of the others, {without:.1} where nothing is declared"
     );
-    assert!(main < 2.0 && others < 4.0 && without > 10.0, "{main} {others} {without}");
+    // One of the errors that the bounds hold, at one sigma, and what is left for the random part.
+    assert!(main < 1.5 && others < 1.5 && without > 10.0, "{main} {others} {without}");
 }

@@ -193,6 +193,7 @@ mod tests {
     use crate::models::lateral::{LateralInput, LateralModel};
     use crate::models::longitudinal::Database;
     use crate::models::rigid::{AircraftConstants, MassInput, Surfaces};
+    use crate::models::small_errors::assert_effects;
     use crate::models::surface_motion::SurfaceMotion;
 
     const TERMS: [(Coefficient, &str); 8] = [
@@ -318,21 +319,7 @@ mod tests {
         for model in [model(Database::None), model(Database::F16(Box::new(aircraft)))] {
             let mut effects = ConstantEffects::<LATERAL_STATES, LATERAL_OUTPUTS, 21>::ZERO;
             model.effects_of_constants(&X, &THETA, &input(), &SURFACES, &mut effects);
-            for (column, quantity) in CONSTANTS.iter().enumerate() {
-                let c = 1e-5;
-                let (up, down) = (with(&model, column, c), with(&model, column, -c));
-                let shown: [f64; 11] = std::array::from_fn(|i| (up[i] - down[i]) / (2.0 * c));
-                let largest = shown.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
-                assert!(largest > 0.0, "{quantity}");
-                for (i, expected) in shown.iter().enumerate() {
-                    let found = if i < LATERAL_STATES {
-                        effects.rates[i][column]
-                    } else {
-                        effects.outputs[i - LATERAL_STATES][column]
-                    };
-                    assert!((found - expected).abs() < 1e-7 * largest, "{quantity} {column}, {i}: {found} {expected}");
-                }
-            }
+            assert_effects(&CONSTANTS, &effects, |column, c| with(&model, column, c).to_vec());
         }
     }
 }

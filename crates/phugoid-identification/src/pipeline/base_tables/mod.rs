@@ -301,8 +301,7 @@ fn size(effects: &[f64]) -> f64 {
 
 /// Puts the effects into the errors of a run: at its end, by sample since something has moved, and of its changes.
 fn put<const R: usize>(run: &mut Run<R>, nominal: &Found, effects: &[Effect], mixing: &DMatrix<f64>) {
-    // Before that the parameters have the errors of their priors.
-    let moved = run.log_density.iter().position(|row| row.iter().any(|v| v.is_finite())).unwrap_or(0);
+    let moved = run.first_moved();
     for (j, column) in run.columns.iter_mut().enumerate() {
         let at_end = || effects.iter().map(|effect| effect.at_end[j]);
         let std = size(&mixed(mixing, at_end()));
