@@ -240,6 +240,34 @@ def gliding_flights(spec: Aircraft, split: str, repetition: int | None = None) -
     return plans
 
 
+# Aircraft whose propellers are driven with constant power.
+PROPELLERS = ("c182", "c310", "pc7", "OV10", "DHC6", "t6texan2", "p51d", "C130", "L17", "J3Cub", "pa28", "fokker50", "B17", "L410", "Boeing314", "dr1")
+
+
+def propeller_flights(spec: Aircraft, split: str, repetition: int | None = None) -> list[Plan]:
+    """The flights of one aircraft with a thrust that falls with the airspeed (a propeller's as its reciprocal, a jet's as the root of
+    that), along a line up to a fifth of the chord above or below the centre of gravity. No recorder has it."""
+    plans = gliding_flights(spec, split, repetition)
+    for plan in plans:
+        plan.gliding = False
+        plan.name = plan.name.replace("glide-", "propeller-")
+        plan.seed = zlib.crc32(f"{spec.name}/propeller/{plan.name}/{plan.seed}".encode())
+        below = (zlib.crc32(f"{spec.name}/thrust line".encode()) % 1000 / 1000 - 0.5) * 0.4
+        plan.propeller = (1.0 if spec.name in PROPELLERS else 0.5, below)
+    return plans
+
+
+def large_flights(spec: Aircraft, split: str, repetition: int | None = None) -> list[Plan]:
+    """The flights of one aircraft without damage, with inputs two and a half times as large: tables bend there, and angles are not small."""
+    kinds = [(axes, [one for one in list_ if "damage" not in one]) for axes, list_ in (("longitudinal", _longitudinal()), ("lateral", _lateral()))]
+    plans = _planned(spec, split, repetition, kinds)
+    for plan in plans:
+        plan.manoeuvres = tuple((pattern, surface, start, 2.5 * factor, *rest) for pattern, surface, start, factor, *rest in plan.manoeuvres)
+        plan.seed = zlib.crc32(f"{spec.name}/large/{plan.name}/{plan.seed}".encode())
+        plan.name = f"large-{plan.name}"
+    return plans
+
+
 def _planned(spec: Aircraft, split: str, repetition: int | None, lists) -> list[Plan]:
     if split == "develop" and spec.look_once_only:
         return []

@@ -47,6 +47,9 @@ class Plan:
     kind: str = "sound"
     # Without thrust, on a path that descends.
     gliding: bool = False
+    # The thrust goes with the airspeed to the power of minus this: 1 for a propeller with constant power, 0 for the constant thrust
+    # of the other flights; and its line lies this part of the chord below the centre of gravity. Nobody records it then.
+    propeller: tuple | None = None
     conditions: tuple = ()
 
 
@@ -65,7 +68,7 @@ def fly(sim: Simulator, plan: Plan, rng) -> Flown:
     spec = sim.spec
     speed = spec.speed * rng.uniform(0.94, 1.08)
     altitude = spec.altitude * rng.uniform(0.9, 1.1)
-    trim = sim.trim(speed, altitude, plan.gliding)
+    trim = sim.trim(speed, altitude, plan.gliding, plan.propeller[1] if plan.propeller else 0.0)
     if trim["residual"] > 1e-7:
         raise RuntimeError(f"{spec.name}: no trim at {speed:.0f} m/s (residual {trim['residual']:.1e})")
     m = sim.response(trim)
@@ -101,7 +104,7 @@ def fly(sim: Simulator, plan: Plan, rng) -> Flown:
     sim.set_surfaces(trim["elevator"], trim["aileron"], trim["rudder"])
     sim.set_thrust(trim["thrust"])
     sim.start(speed, altitude, trim["alpha"], 0.0, trim["phi"], climb=trim["climb"])
-    sim.place_thrust()
+    sim.place_thrust(plan.propeller[1] if plan.propeller else 0.0)
     sim.changes = dict(added)
     every = int(round(1 / RECORD_HZ / step))
     rows, exact = [], []
@@ -134,7 +137,8 @@ def fly(sim: Simulator, plan: Plan, rng) -> Flown:
             asked = tuple(a + b for a, b in zip(asked, feedback))
         where = tuple(x + lag * (min(max(a, -limit), limit) - x) for x, a in zip(where, asked))
         sim.set_surfaces(*where)
-        sim.set_thrust(thrust[k])
+        power = plan.propeller[0] if plan.propeller else 0.0
+        sim.set_thrust(thrust[k] * (speed / (get("velocities/vt-fps") * FT)) ** power)
         if wind is not None:
             sim.set_wind(*_to_earth(wind[k], phi, theta, get("attitude/psi-rad")))
         if abs(phi) > 1.3 or abs(theta) > 0.9 or not math.isfinite(q):

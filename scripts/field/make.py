@@ -6,6 +6,8 @@
     scripts/field/make.py FOLDER --feedback [...]
     scripts/field/make.py FOLDER --structure [...]
     scripts/field/make.py FOLDER --gliding [...]
+    scripts/field/make.py FOLDER --large [...]
+    scripts/field/make.py FOLDER --propeller [...]
     scripts/field/make.py FOLDER --quiet [...]
     scripts/field/make.py FOLDER --other [...]
     scripts/field/make.py crates/phugoid-evaluation/tests/field --sample
@@ -29,7 +31,7 @@ import instruments
 import model_file
 import truth
 from aircraft import FLEET, NEWCOMERS, STRANGERS
-from catalogue import FEEDBACK_REPETITIONS, REPETITIONS, SAMPLE, feedback_flights, flights, gliding_flights, other_flights, quiet_flights, structure_flights
+from catalogue import FEEDBACK_REPETITIONS, REPETITIONS, SAMPLE, feedback_flights, flights, gliding_flights, large_flights, other_flights, propeller_flights, quiet_flights, structure_flights
 from fly import Plan, fly
 from simulator import Simulator
 
@@ -46,8 +48,15 @@ def write_exact(path: pathlib.Path, at: np.ndarray, rows: np.ndarray, flown) -> 
 
 
 def model_name(plan: Plan) -> str:
-    """Which model file belongs to a flight; an aircraft that glides has no thrust to record."""
-    return f"{'glide-' if plan.gliding else ''}{plan.axes}.toml"
+    """Which model file belongs to a flight; an aircraft that glides has no thrust to record, and that of a propeller nobody records."""
+    return f"{'glide-' if plan.gliding else 'propeller-' if plan.propeller else ''}{plan.axes}.toml"
+
+
+def thrust_of(plan: Plan, trim: dict) -> str:
+    """What the model file says of the thrust. Of a propeller the engineer knows what level flight at the usual speed takes."""
+    if plan.gliding:
+        return '"0 N"'
+    return f'"{trim["thrust"]:.4g} N"' if plan.propeller else '{ channel = "thrust" }'
 
 
 def one_flight(sim: Simulator, plan: Plan, split: str, folder: pathlib.Path, exact: bool = False) -> dict:
@@ -107,7 +116,7 @@ def one_aircraft(job) -> list[str]:
     lines = []
     with tempfile.TemporaryDirectory() as scratch:
         sim = Simulator(spec, pathlib.Path(scratch), step)
-        sim.trim(spec.speed, spec.altitude)
+        usual = sim.trim(spec.speed, spec.altitude)
         plans = [
             plan
             for plan in catalogue(spec, split, repetition)
@@ -116,7 +125,7 @@ def one_aircraft(job) -> list[str]:
         if not plans:
             return []
         for plan in {model_name(plan): plan for plan in plans}.values():
-            model_file.write(place / model_name(plan), sim, spec, plan.axes, plan.gliding)
+            model_file.write(place / model_name(plan), sim, spec, plan.axes, thrust_of(plan, usual))
         for plan in plans:
             try:
                 # Another one for each flight, so that nothing of the last one is left in it.
@@ -157,6 +166,8 @@ def main() -> None:
     others = parser.add_mutually_exclusive_group()
     others.add_argument("--feedback", action="store_true", help="stabilised aircraft in place of the field: flights with a flight control system")
     others.add_argument("--gliding", action="store_true", help="flights without thrust, in place of the field")
+    others.add_argument("--large", action="store_true", help="flights without damage and with inputs two and a half times as large, in place of the field")
+    others.add_argument("--propeller", action="store_true", help="flights whose thrust falls with the airspeed and is not recorded, in place of the field")
     others.add_argument("--quiet", action="store_true", help="flights without any manoeuvre, in place of the field")
     others.add_argument("--other", action="store_true", help="flights with sweeps, multisines and other inputs that the field has not, in its place")
     others.add_argument("--structure", action="store_true", help="flights of aircraft with a term that no model file has, in place of the field")
@@ -177,7 +188,7 @@ def main() -> None:
     if unknown := set(aircraft) - {spec.name for spec in everyone}:
         parser.error(f"no such aircraft: {', '.join(sorted(unknown))}; there are {', '.join(spec.name for spec in everyone)}")
     wanted = Wanted(arguments.only, arguments.sample)
-    kinds = {"feedback": feedback_flights, "structure": structure_flights, "gliding": gliding_flights, "quiet": quiet_flights, "other": other_flights}
+    kinds = {"feedback": feedback_flights, "structure": structure_flights, "gliding": gliding_flights, "large": large_flights, "propeller": propeller_flights, "quiet": quiet_flights, "other": other_flights}
     catalogue = next((made for kind, made in kinds.items() if getattr(arguments, kind)), flights)
     jobs = [
         (spec, split, arguments.repetition, arguments.folder, arguments.step, wanted, arguments.exact, catalogue)

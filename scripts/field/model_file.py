@@ -6,8 +6,8 @@ WHICH = {"longitudinal": '"longitudinal"', "lateral": '"lateral"', "six": '"long
 WORDS = {"0": "1", "p": "p_hat", "q": "q_hat", "r": "r_hat", "alpha2": "alpha^2"}
 
 
-def write(path, sim, spec, axes: str, gliding: bool = False) -> None:
-    """Writes the model file of `axes`. It knows nothing of the truth: starts are textbook values of the class."""
+def write(path, sim, spec, axes: str, thrust: str = '{ channel = "thrust" }') -> None:
+    """Writes the model file of `axes` with this thrust. It knows nothing of the truth: starts are textbook values of the class."""
     cl_alpha, cm_alpha, cm_q, cm_elevator = spec.guess
     guess = {
         "CL_0": (0.3, 0.4), "CL_alpha": (cl_alpha, 2.5), "CL_q": (5.0, 20.0), "CL_elevator": (0.4, 0.6),
@@ -33,7 +33,7 @@ def write(path, sim, spec, axes: str, gliding: bool = False) -> None:
         f'wing_area = "{sim.wing_area:.6g} m^2"',
         f'mean_chord = "{sim.chord:.6g} m"',
         f'wing_span = "{sim.span:.6g} m"',
-        'thrust = "0 N"' if gliding else 'thrust = { channel = "thrust" }',
+        f"thrust = {thrust}",
         'air_density = { channel = "air_density" }' if spec.density == "channel" else 'air_density = "standard_atmosphere"',
         "",
         "[coefficients]",

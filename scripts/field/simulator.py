@@ -236,10 +236,13 @@ class Simulator:
         sign = {"ixz": -1}
         return {k: sign.get(k, 1) * self.get(f"inertia/{k}-slugs_ft2") * SLUG_FT2 for k in ("ixx", "iyy", "izz", "ixz")}
 
-    def place_thrust(self) -> None:
-        """Puts the thrust line through the centre of gravity."""
+    def place_thrust(self, below: float = 0.0) -> None:
+        """Puts the thrust line through the centre of gravity, or this part of the chord below it."""
         for axis in "xyz":
             self.set(f"external_reactions/thrust/location-{axis}-in", self.get(f"inertia/cg-{axis}-in"))
+        # JSBSim's structural frame: z up, inches.
+        lower = below * self.get("metrics/cbarw-ft") * 12
+        self.set("external_reactions/thrust/location-z-in", self.get("inertia/cg-z-in") - lower)
 
     def coefficients(self) -> dict[str, float]:
         """The aerodynamic coefficients of now, exactly as JSBSim has them, about the centre of gravity."""
@@ -264,16 +267,17 @@ class Simulator:
         y, z = self.get("forces/fby-aero-lbs"), self.get("forces/fbz-aero-lbs")
         return x / mass * FT, y / mass * FT, z / mass * FT
 
-    def trim(self, speed: float, altitude: float, gliding: bool = False) -> dict[str, float]:
+    def trim(self, speed: float, altitude: float, gliding: bool = False, below: float = 0.0) -> dict[str, float]:
         """Straight flight, by Newton's method on six accelerations: alpha, thrust, elevator, phi, aileron, rudder. It is level,
-        or without thrust (`gliding`): then the angle of the flight path, `climb` (rad), is found in the place of the thrust."""
+        or without thrust (`gliding`): then the angle of the flight path, `climb` (rad), is found in the place of the thrust.
+        `below`: how far the thrust line lies below the centre of gravity, as a part of the chord."""
 
         def residual(x):
             thrust, climb = (0.0, x[1]) if gliding else (x[1], 0.0)
             self.set_surfaces(x[2], x[4], x[5])
             self.set_thrust(thrust * self.mass * 9.8)
             self.start(speed, altitude, x[0], 0.0, x[3], climb=climb)
-            self.place_thrust()
+            self.place_thrust(below)
             self.start(speed, altitude, x[0], 0.0, x[3], climb=climb)
             return np.array([
                 self.get(f"accelerations/{a}dot-ft_sec2") * FT / 9.8 for a in "uvw"
