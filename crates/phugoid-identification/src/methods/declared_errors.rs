@@ -100,9 +100,8 @@ impl DeclaredErrors {
 
     /// What one declared standard uncertainty of each constant does to a column, estimate less truth; none where the errors are not
     /// followed, or are not numbers.
-    pub(super) fn effects(&self, column: usize) -> Option<impl Iterator<Item = f64> + Clone + '_> {
-        let effects = self.columns.get(column)?.effects.as_ref()?;
-        Some(effects.iter().take(self.declared.len()).copied())
+    pub(super) fn effects(&self, column: usize) -> Option<&[f64]> {
+        self.columns.get(column)?.effects.as_ref()?.get(..self.declared.len())
     }
 
     /// What is learnt adds to the estimate of a column.

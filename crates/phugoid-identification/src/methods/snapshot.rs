@@ -22,9 +22,10 @@ pub(crate) struct Column {
 
 impl Column {
     /// A column with these effects; those that there are not are zero.
-    pub(crate) fn new(value: f64, random_std: f64, effects: impl Iterator<Item = f64>) -> Self {
+    pub(crate) fn new(value: f64, random_std: f64, effects: &[f64]) -> Self {
         let mut column = Self { value, random_std, effects: [0.0; EFFECTS], by_base: Vec::new() };
-        column.effects.iter_mut().zip(effects).for_each(|(own, effect)| *own = effect);
+        let count = effects.len().min(EFFECTS);
+        column.effects[..count].copy_from_slice(&effects[..count]);
         column
     }
 }
@@ -92,7 +93,7 @@ mod tests {
     use super::{Column, Snapshot};
 
     fn snapshot<const K: usize>(columns: &[([f64; 2], [f64; K])]) -> Snapshot {
-        Snapshot::of(columns.iter().map(|([value, std], effects)| Column::new(*value, *std, effects.iter().copied())))
+        Snapshot::of(columns.iter().map(|([value, std], effects)| Column::new(*value, *std, effects)))
     }
 
     #[test]

@@ -221,7 +221,7 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> St
     /// One sigma of the systematic part of a column.
     fn systematic(&self, column: usize, value: f64) -> f64 {
         match self.declared_errors.effects(column) {
-            Some(effects) => effects.map(|effect| effect * effect).sum::<f64>().sqrt(),
+            Some(effects) => effects.iter().map(|effect| effect * effect).sum::<f64>().sqrt(),
             None => self.by_powers.get(column).map_or(0.0, |powers| powers.std(value)),
         }
     }
@@ -231,8 +231,8 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> St
         match self.declared_errors.effects(column) {
             Some(effects) => Column::new(value + self.declared_errors.shift(column), random_std, effects),
             None => {
-                let effects = self.by_powers.get(column).into_iter().flat_map(|powers| powers.effects(value));
-                Column::new(value, random_std, effects.flatten())
+                let effects = self.by_powers.get(column).map(|powers| powers.effects(value));
+                Column::new(value, random_std, effects.as_ref().map_or(&[], |effects| effects.as_flattened()))
             }
         }
     }
@@ -444,7 +444,7 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> Ca
             return self.by_powers.get(column).map_or_else(Vec::new, |powers| powers.shares(value));
         };
         let mut all = ByQuantity::default();
-        M::CONSTANTS.iter().zip(effects).for_each(|(quantity, effect)| all.add(*quantity, effect));
+        M::CONSTANTS.iter().zip(effects).for_each(|(quantity, effect)| all.add(*quantity, *effect));
         all.parts()
     }
 
