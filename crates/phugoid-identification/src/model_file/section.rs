@@ -115,7 +115,7 @@ impl<'a> Section<'a> {
     pub(super) fn section(&self, key: &str) -> Result<Option<Section<'a>>, ModelFileError> {
         let Some(value) = self.get(key) else { return Ok(None) };
         let Some(table) = value.get_ref().as_table() else {
-            return Err(self.error(key, format!("`{key}` is a {}: expected a table", value.get_ref().type_str())));
+            return Err(self.error(key, format!("`{key}` is {}: expected a table", kind(value.get_ref()))));
         };
         Ok(Some(Section { source: self.source, path: self.dotted(key), table, span: value.span() }))
     }
@@ -126,14 +126,16 @@ impl<'a> Section<'a> {
             .get_ref()
             .as_str()
             .map(Some)
-            .ok_or_else(|| self.error(key, format!("`{key}` is a {}: expected a string", value.get_ref().type_str())))
+            .ok_or_else(|| self.error(key, format!("`{key}` is {}: expected a string", kind(value.get_ref()))))
     }
 
     pub(super) fn boolean(&self, key: &str) -> Result<Option<bool>, ModelFileError> {
         let Some(value) = self.get(key) else { return Ok(None) };
-        value.get_ref().as_bool().map(Some).ok_or_else(|| {
-            self.error(key, format!("`{key}` is a {}: expected true or false", value.get_ref().type_str()))
-        })
+        value
+            .get_ref()
+            .as_bool()
+            .map(Some)
+            .ok_or_else(|| self.error(key, format!("`{key}` is {}: expected true or false", kind(value.get_ref()))))
     }
 
     /// One of a list of words.
@@ -161,11 +163,11 @@ impl<'a> Section<'a> {
     pub(super) fn strings(&self, key: &str) -> Result<Option<Words<'a>>, ModelFileError> {
         let Some(value) = self.get(key) else { return Ok(None) };
         let Some(array) = value.get_ref().as_array() else {
-            return Err(self.error(key, format!("`{key}` is a {}: expected a list", value.get_ref().type_str())));
+            return Err(self.error(key, format!("`{key}` is {}: expected a list", kind(value.get_ref()))));
         };
         let strings = array.iter().map(|item| {
             item.get_ref().as_str().map(|s| (s, item.span())).ok_or_else(|| {
-                let message = format!("`{key}` holds a {}: expected strings", item.get_ref().type_str());
+                let message = format!("`{key}` holds {}: expected strings", kind(item.get_ref()));
                 self.source.error(item.span(), &self.dotted(key), message)
             })
         });
@@ -189,8 +191,8 @@ impl<'a> Section<'a> {
             DeValue::Integer(number) => number.as_str().replace('_', "").parse::<f64>().map_err(|e| e.to_string()),
             DeValue::String(text) => dimension.parse_or_si(text).map_err(|error| error.to_string()),
             other => Err(format!(
-                "`{key}` is a {}: expected a number in {} or a string with a unit",
-                other.type_str(),
+                "`{key}` is {}: expected a number in {} or a string with a unit",
+                kind(other),
                 dimension.si_unit()
             )),
         };
@@ -233,5 +235,18 @@ impl<'a> Section<'a> {
             );
         }
         Ok(Some(pair))
+    }
+}
+
+/// What a value of a file is, with its article.
+pub(super) fn kind(value: &DeValue<'_>) -> &'static str {
+    match value {
+        DeValue::String(_) => "a string",
+        DeValue::Integer(_) => "an integer",
+        DeValue::Float(_) => "a number",
+        DeValue::Boolean(_) => "true or false",
+        DeValue::Datetime(_) => "a date",
+        DeValue::Array(_) => "a list",
+        DeValue::Table(_) => "a table",
     }
 }

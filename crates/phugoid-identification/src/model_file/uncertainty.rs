@@ -512,7 +512,8 @@ mod tests {
         let learning = with("[uncertainty]\nclass = \"unmanned\"\nlearn = true\nsurface_play = \"0.2 deg\"").unwrap();
         let surface_play = 0.2_f64.to_radians();
         assert_eq!(learning, Uncertainty { learns: true, surface_play, ..Uncertainty::UNMANNED });
-        assert!(with("[uncertainty]\nlearn = 1").is_err());
+        let message = with("[uncertainty]\nlearn = 1").unwrap_err().to_string();
+        assert!(message.contains("`learn` is an integer: expected true or false"), "{message}");
         let message = with("[uncertainty]\nacceleration_position = \"20 m\"").unwrap_err().to_string();
         assert!(message.contains("acceleration_position") && message.contains("a length, 0 to 10 m"), "{message}");
         let none = with("[uncertainty]\nclass = \"none\"\npropagation = \"recursion\"").unwrap();

@@ -5,15 +5,15 @@ use toml::Spanned;
 use toml::de::DeValue;
 
 use super::super::error::ModelFileError;
-use super::super::section::Section;
+use super::super::section::{Section, kind};
 
 impl<'a> Section<'a> {
     /// A list of quantities, each a number in SI or a string with a unit.
     pub(super) fn list_of(&self, key: &str, dimension: Dimension) -> Result<Option<Vec<f64>>, ModelFileError> {
         let Some(value) = self.get(key) else { return Ok(None) };
         let Some(items) = value.get_ref().as_array() else {
-            let found = value.get_ref().type_str();
-            return Err(self.error(key, format!("`{key}` is a {found}: expected a list of numbers")));
+            let found = kind(value.get_ref());
+            return Err(self.error(key, format!("`{key}` is {found}: expected a list of numbers")));
         };
         items.iter().map(|item| self.quantity(key, item, dimension)).collect::<Result<_, _>>().map(Some)
     }
@@ -46,8 +46,8 @@ impl<'a> Section<'a> {
             return Ok(());
         };
         let items = value.get_ref().as_array();
-        let found = items
-            .map_or_else(|| format!("a {}", value.get_ref().type_str()), |items| format!("a list of {}", items.len()));
+        let found =
+            items.map_or_else(|| kind(value.get_ref()).to_owned(), |items| format!("a list of {}", items.len()));
         let Some(items) = items.filter(|items| items.len() == *count) else {
             let message = format!("`{key}` has {found} where it needs a list of {count}, one for each of `{of}`");
             return Err(self.source.error(value.span(), &format!("{}.{key}", self.path), message));
