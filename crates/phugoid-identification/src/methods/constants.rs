@@ -76,13 +76,12 @@ pub(super) fn systematic<M: MotionModel<N, R, CAPACITY>, const N: usize, const R
 pub(crate) fn follow_regression<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     task: &Task<M, N, R>,
     run: &mut Run<R>,
+    progress: &mut dyn FnMut(f64),
 ) {
-    let is_wanted = task.method().is_recursive_regression() && task.declares_constants();
-    // What a live session would have had has the powers.
-    if !is_wanted || task.options.causal_only || !run.excited {
+    if !is_run_again(task) || !run.excited {
         return;
     }
-    let Some(followed) = by_runs(task, run) else { return };
+    let Some(followed) = by_runs(task, run, progress) else { return };
     let moved = run.first_moved();
     let by_powers = task.prepared.by_powers(task.file);
     for ((column, by_powers), followed) in run.columns.iter_mut().zip(by_powers).zip(&followed) {
@@ -96,10 +95,16 @@ pub(crate) fn follow_regression<M: EveryRoom<N, R>, const N: usize, const R: usi
     run.follows_constants = true;
 }
 
+/// Whether the method of a task is run again for each constant: what a live session would have had has the powers.
+pub(crate) fn is_run_again<M: EveryRoom<N, R>, const N: usize, const R: usize>(task: &Task<M, N, R>) -> bool {
+    task.method().is_recursive_regression() && task.declares_constants() && !task.options.causal_only
+}
+
 /// What the constants do to each column of a run by runs in which one of them is off; none where one of these fails.
 fn by_runs<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     task: &Task<M, N, R>,
     run: &Run<R>,
+    progress: &mut dyn FnMut(f64),
 ) -> Option<Vec<ByQuantity>> {
     let Task { prepared, file, options, noise, .. } = *task;
     let mut theta = [0.0; CAPACITY];
@@ -107,6 +112,7 @@ fn by_runs<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     theta.iter_mut().zip(own).for_each(|(value, (_, column))| *value = column.value);
     let mut all = vec![ByQuantity::default(); run.columns.len()];
     for (constant, (size, quantity)) in declared::<M, N, R>(file).into_iter().zip(M::CONSTANTS).enumerate() {
+        progress(constant as f64 / M::CONSTANTS.len() as f64);
         if size == 0.0 {
             continue;
         }

@@ -26,7 +26,7 @@ use crate::core::error::EstimateError;
 use crate::core::method::Method;
 pub(crate) use batch::manoeuvre as whole_record;
 use causal::run_causal;
-pub(crate) use constants::follow_regression;
+pub(crate) use constants::{follow_regression, is_run_again};
 pub(crate) use health_watch::HealthRun;
 pub(crate) use predict::predict;
 pub use predict::{Predicted, PredictedParameter};

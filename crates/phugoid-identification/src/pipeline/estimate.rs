@@ -15,7 +15,7 @@ use crate::judge::offer::{
 };
 pub use crate::judge::offer::{tried_by_the_method, with_offered};
 use crate::judge::summary::summarise;
-use crate::methods::{EveryRoom, HealthRun, Task, beside_causal, follow_regression, run};
+use crate::methods::{EveryRoom, HealthRun, Task, beside_causal, follow_regression, is_run_again, run};
 use crate::model_file::ModelFile;
 use crate::models::lateral::LateralModel;
 use crate::models::longitudinal::LongitudinalModel;
@@ -242,8 +242,12 @@ fn once<'a, M: EveryRoom<N, R> + 'a, const N: usize, const R: usize>(
     let noise = noise_levels(&prepared, model)?;
     let model = prepared.with_time_of_surfaces(model).into_owned();
     let task = Task { health, ..Task::new(&prepared, &model, options, &noise) };
-    // The second look takes the second half.
-    let first = if looks_back(&task) { 0.5 } else { 1.0 };
+    // The second look takes the second half, and runs with constants that are off take more than all before them.
+    let first = match (looks_back(&task), is_run_again(&task)) {
+        (true, _) => 0.5,
+        (false, true) => 0.3,
+        (false, false) => 1.0,
+    };
     let causal = run(&task, &mut |done| progress(first * done))?;
     let mut run = look_back(&task, causal, &mut |done| progress(first + (1.0 - first) * done))?;
     if !task.method().is_batch() {
@@ -252,7 +256,7 @@ fn once<'a, M: EveryRoom<N, R> + 'a, const N: usize, const R: usize>(
             Some(Err(error)) => run.no_second_answer = Some(error.to_string()),
             None => {}
         }
-        follow_regression(&task, &mut run);
+        follow_regression(&task, &mut run, &mut |done| progress(first + (1.0 - first) * done));
     }
     progress(1.0);
     let watched = run.health.take();
