@@ -120,7 +120,8 @@ def one_aircraft(job) -> list[str]:
         plans = [
             plan
             for plan in catalogue(spec, split, repetition)
-            if wanted(spec, plan) and not plan.name.startswith(spec.left_out)
+            # Also behind the word of a catalogue: `large-lat-calm`.
+            if wanted(spec, plan) and not any(f"-{begin}" in f"-{plan.name}" for begin in spec.left_out)
         ]
         if not plans:
             return []
