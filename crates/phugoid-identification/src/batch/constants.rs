@@ -38,6 +38,7 @@ use super::result::{BatchFit, Unknown, UnknownKind};
 use super::start::stretches;
 use crate::core::options::{Band, CAPACITY};
 use crate::core::systematic::ROOM_FOR_CONSTANTS;
+use crate::motion::of_constant;
 
 /// Errors of one parameter per unit of each constant, the true value less the found one.
 pub(crate) type ByConstant = [f64; ROOM_FOR_CONSTANTS];
@@ -61,8 +62,7 @@ impl<const N: usize, const R: usize> Displaced<'_, N, R> {
     fn effects(&self, x: &[f64; N], theta: &[f64; CAPACITY], at: Instant) -> ([f64; N], [f64; R]) {
         let mut effects = ConstantEffects::<N, R, ROOM_FOR_CONSTANTS>::ZERO;
         self.plant.constant_effects(x, theta, at, &mut effects);
-        let of = |row: &ByConstant| self.size * row.get(self.constant).copied().unwrap_or(0.0);
-        (effects.rates.each_ref().map(of), effects.outputs.each_ref().map(of))
+        of_constant(&effects, self.constant, self.size)
     }
 }
 

@@ -14,7 +14,7 @@ use crate::core::systematic::{ROOM_FOR_CONSTANTS, UncertainQuantity};
 use crate::model_file::{Base, ModelFile};
 use crate::models::longitudinal::Database;
 use crate::models::surface_motion::SurfaceMotion;
-use crate::motion::{Known, Motion, MotionModel, ReferencePoint, terms};
+use crate::motion::{Known, Motion, MotionModel, ReferencePoint, of_constant, terms};
 use crate::preparation::excitation::Moved;
 
 /// A known input, and the groups of axes whose parameters are estimated at this sample.
@@ -88,22 +88,18 @@ impl<M> Gated<M> {
     }
 }
 
-/// Adds what a displaced constant does to rates and outputs.
+/// What a displaced constant adds to rates and outputs.
 #[cold]
 #[inline(never)]
-fn displace<M: Motion<N, R>, const N: usize, const R: usize>(
+fn added<M: Motion<N, R>, const N: usize, const R: usize>(
     model: &M,
     displaced: &DisplacedConstant,
     x: &[f64; N],
     u: &GatedInput<M::KnownInput>,
-    rates: &mut [f64; N],
-    outputs: &mut [f64; R],
-) {
+) -> ([f64; N], [f64; R]) {
     let mut effects = ConstantEffects::<N, R, ROOM_FOR_CONSTANTS>::ZERO;
     model.effects(x, &displaced.theta, &u.input, &u.surfaces, &mut effects);
-    let of = |row: &[f64; ROOM_FOR_CONSTANTS]| displaced.size * row.get(displaced.constant).copied().unwrap_or(0.0);
-    rates.iter_mut().zip(&effects.rates).for_each(|(rate, row)| *rate += of(row));
-    outputs.iter_mut().zip(&effects.outputs).for_each(|(output, row)| *output += of(row));
+    of_constant(&effects, displaced.constant, displaced.size)
 }
 
 /// Which groups are open: in absolute form all, since steady flight determines sums of parameters; increments where
@@ -142,7 +138,8 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> Mo
     fn rates(&self, x: &[f64; N], theta: &[f64; P], u: &Self::Input) -> [f64; N] {
         let mut rates = self.model.rates(x, theta, &u.input);
         if let Some(displaced) = &self.displaced {
-            displace(&self.model, displaced, x, u, &mut rates, &mut [0.0; R]);
+            let (more, _) = added(&self.model, displaced, x, u);
+            rates.iter_mut().zip(more).for_each(|(rate, more)| *rate += more);
         }
         rates
     }
@@ -152,7 +149,8 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> Mo
         self.model.linearized_rates(x, theta, &u.input, out);
         self.close(u.open, &mut out.regressors);
         if let Some(displaced) = &self.displaced {
-            displace(&self.model, displaced, x, u, &mut out.rates, &mut [0.0; R]);
+            let (more, _) = added(&self.model, displaced, x, u);
+            out.rates.iter_mut().zip(more).for_each(|(rate, more)| *rate += more);
         }
     }
 
@@ -167,13 +165,10 @@ impl<M: MotionModel<N, R, P>, const N: usize, const R: usize, const P: usize> Mo
         self.model.linearized_outputs(x, theta, &u.input, out);
         self.close(u.open, &mut out.parameter_jacobian);
         if let Some(displaced) = &self.displaced {
-            let mut outputs = out.outputs;
-            displace(&self.model, displaced, x, u, &mut [0.0; N], &mut outputs);
+            let (_, mut more) = added(&self.model, displaced, x, u);
             // Of the states the record is without the constant.
-            for output in (0..N).filter_map(|state| self.model.measuring_output(state)) {
-                outputs[output] = out.outputs[output];
-            }
-            out.outputs = outputs;
+            (0..N).filter_map(|state| self.model.measuring_output(state)).for_each(|output| more[output] = 0.0);
+            out.outputs.iter_mut().zip(more).for_each(|(output, more)| *output += more);
         }
     }
 

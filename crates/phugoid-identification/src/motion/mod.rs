@@ -108,6 +108,16 @@ pub(crate) fn declared<M: Motion<N, R>, const N: usize, const R: usize>(file: &M
     declared
 }
 
+/// What a constant that is off by a size adds to rates and outputs; nothing for a constant that there is not.
+pub(crate) fn of_constant<const N: usize, const R: usize, const K: usize>(
+    effects: &ConstantEffects<N, R, K>,
+    constant: usize,
+    size: f64,
+) -> ([f64; N], [f64; R]) {
+    let of = |row: &[f64; K]| size * row.get(constant).copied().unwrap_or(0.0);
+    (effects.rates.each_ref().map(of), effects.outputs.each_ref().map(of))
+}
+
 /// The reference point: the angle of attack and the deflections at which the terms of the build-up are zero.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ReferencePoint {
