@@ -14,6 +14,8 @@ FEEDBACK_AIRCRAFT = ("T38", "f15", "fokker100", "pc7", "t6texan2", "p51d", "T37"
 
 # What is kept in the project, for the checks that always run: by aircraft, names of flights of the part `develop`.
 SAMPLE = {"OV10": ("calm-short", "damage-elevator"), "pc7": ("light-stick",), "T38": ("lat-light-stick",)}
+# The same of the flights of whole aircraft (`--whole`).
+WHOLE_SAMPLE = {"pc7": ("whole-light-3211",)}
 
 
 def _longitudinal() -> list[dict]:
@@ -257,15 +259,36 @@ def propeller_flights(spec: Aircraft, split: str, repetition: int | None = None)
     return plans
 
 
+# Aircraft that come to steady flight with everything that their descriptions have. The others read what only another program gives them, have no
+# engine that starts in the air, or their controls do not answer.
+WHOLE = ("c182", "c310", "pc7", "OV10", "DHC6", "T38", "f15", "t6texan2", "T37", "global5000", "J3Cub", "A4", "B747", "F80C", "MD11", "F4N", "787-8")
+
+
+def whole_flights(spec: Aircraft, split: str, repetition: int | None = None) -> list[Plan]:
+    """The flights of one aircraft without damage, with the engines and controls of its own description. No recorder has the thrust."""
+    if spec.name not in WHOLE:
+        return []
+    plans = _without_damage(spec, split, repetition)
+    for plan in plans:
+        plan.whole = True
+        plan.seed = zlib.crc32(f"{spec.name}/whole/{plan.name}/{plan.seed}".encode())
+        plan.name = f"whole-{plan.name}"
+    return plans
+
+
 def large_flights(spec: Aircraft, split: str, repetition: int | None = None) -> list[Plan]:
     """The flights of one aircraft without damage, with inputs two and a half times as large: tables bend there, and angles are not small."""
-    kinds = [(axes, [one for one in list_ if "damage" not in one]) for axes, list_ in (("longitudinal", _longitudinal()), ("lateral", _lateral()))]
-    plans = _planned(spec, split, repetition, kinds)
+    plans = _without_damage(spec, split, repetition)
     for plan in plans:
         plan.manoeuvres = tuple((pattern, surface, start, 2.5 * factor, *rest) for pattern, surface, start, factor, *rest in plan.manoeuvres)
         plan.seed = zlib.crc32(f"{spec.name}/large/{plan.name}/{plan.seed}".encode())
         plan.name = f"large-{plan.name}"
     return plans
+
+
+def _without_damage(spec: Aircraft, split: str, repetition: int | None) -> list[Plan]:
+    kinds = [(axes, [one for one in list_ if "damage" not in one]) for axes, list_ in (("longitudinal", _longitudinal()), ("lateral", _lateral()))]
+    return _planned(spec, split, repetition, kinds)
 
 
 def _planned(spec: Aircraft, split: str, repetition: int | None, lists) -> list[Plan]:

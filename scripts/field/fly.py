@@ -11,8 +11,6 @@ from simulator import RHO, PSF, FT, Simulator
 
 # Recorded exactly, 200 times per second; the instruments sample from it.
 RECORD_HZ = 200
-# Bandwidth of the actuators, 1/s.
-ACTUATOR = 20.0
 CHANNELS = ("tas", "alpha", "beta", "phi", "theta", "p", "q", "r", "ax", "ay", "az", "altitude", "density", "qbar", "thrust",
             "elevator", "aileron", "rudder")
 COEFFICIENTS = ("CL", "CD", "CY", "Cl", "Cm", "Cn")
@@ -50,6 +48,8 @@ class Plan:
     # The thrust goes with the airspeed to the power of minus this: 1 for a propeller with constant power, 0 for the constant thrust
     # of the other flights; and its line lies this part of the chord below the centre of gravity. Nobody records it then.
     propeller: tuple | None = None
+    # With the engines, tanks and flight control system of the aircraft's own description; nobody records the thrust.
+    whole: bool = False
     conditions: tuple = ()
 
 
@@ -92,24 +92,14 @@ def fly(sim: Simulator, plan: Plan, rng) -> Flown:
     kp, kphi, kr = (0.8, 0.6, 0.4) if not lateral else {"open": (0, 0, 0), "damper": (1.0, 0, 0.6), "attitude": (0.8, 0.6, 0.6)}[loop]
     gq, gtheta = kq / abs(m["M_elevator"]), ktheta / abs(m["M_elevator"])
     gp, gphi, gr = kp / abs(m["L_aileron"]), kphi / abs(m["L_aileron"]), kr / abs(m["N_rudder"])
-    limit = 0.35
-
     changes_asked = _changes(sim, plan, trim)
-    sim.changes = {}
-    for name in COEFFICIENTS:
-        sim.set(f"field/{name}", 0.0)
     added = _added(sim, plan, trim)
     if wind is not None:
         sim.set_wind(*_to_earth(wind[0], trim["phi"], trim["theta"], 0.0))
-    sim.set_surfaces(trim["elevator"], trim["aileron"], trim["rudder"])
-    sim.set_thrust(trim["thrust"])
-    sim.start(speed, altitude, trim["alpha"], 0.0, trim["phi"], climb=trim["climb"])
-    sim.place_thrust(plan.propeller[1] if plan.propeller else 0.0)
+    sim.begin(trim, plan.propeller[1] if plan.propeller else 0.0)
     sim.changes = dict(added)
     every = int(round(1 / RECORD_HZ / step))
     rows, exact = [], []
-    where = trim["elevator"], trim["aileron"], trim["rudder"]
-    lag = 1 - math.exp(-ACTUATOR * step)
     damage_at = math.inf
     changes: dict = {}
     if plan.damage:
@@ -133,10 +123,9 @@ def fly(sim: Simulator, plan: Plan, rng) -> Flown:
             trim["rudder"] + commands["rudder"][k] + gr * r,
         )
         if system:
-            feedback = system.step(step, phi, theta, p, q, r, get("aero/beta-rad"), get("position/h-sl-ft") * FT, where[1] - trim["aileron"])
+            feedback = system.step(step, phi, theta, p, q, r, get("aero/beta-rad"), get("position/h-sl-ft") * FT, sim.surfaces["aileron"] - trim["aileron"])
             asked = tuple(a + b for a, b in zip(asked, feedback))
-        where = tuple(x + lag * (min(max(a, -limit), limit) - x) for x, a in zip(where, asked))
-        sim.set_surfaces(*where)
+        sim.follow(asked)
         power = plan.propeller[0] if plan.propeller else 0.0
         sim.set_thrust(thrust[k] * (speed / (get("velocities/vt-fps") * FT)) ** power)
         if wind is not None:
@@ -243,7 +232,7 @@ def _row(sim: Simulator) -> tuple:
         get("position/h-sl-ft") * FT,
         get("atmosphere/rho-slugs_ft3") * RHO,
         get("aero/qbar-psf") * PSF,
-        get("external_reactions/thrust/magnitude") * 4.4482216152605,
+        sim.thrust,
         sim.surfaces["elevator"],
         sim.surfaces["aileron"],
         sim.surfaces["rudder"],

@@ -56,7 +56,7 @@ def record(flown, plan, spec, rng) -> tuple[np.ndarray, dict, dict]:
     picked = np.arange(0, len(flown.time), every)
     columns, noise = {}, {}
     for name in ORDER[plan.axes]:
-        if name == "thrust" and (plan.gliding or plan.propeller):
+        if name == "thrust" and (plan.gliding or plan.propeller or plan.whole):
             continue
         signal = flown.channels[name]
         tau = options.get("lags", {}).get(name, options.get("common_lag", 0.0))

@@ -9,8 +9,10 @@
     scripts/field/make.py FOLDER --large [...]
     scripts/field/make.py FOLDER --propeller [...]
     scripts/field/make.py FOLDER --quiet [...]
+    scripts/field/make.py FOLDER --whole [...]
     scripts/field/make.py FOLDER --other [...]
     scripts/field/make.py crates/phugoid-evaluation/tests/field --sample
+    scripts/field/make.py crates/phugoid-evaluation/tests/field-whole --whole --sample
 
 Needs `jsbsim` and `numpy` as pinned in tests/python/requirements.txt. The same numbers come out every time.
 docs/field.md says what the flights are.
@@ -31,9 +33,10 @@ import instruments
 import model_file
 import truth
 from aircraft import FLEET, NEWCOMERS, STRANGERS
-from catalogue import FEEDBACK_REPETITIONS, REPETITIONS, SAMPLE, feedback_flights, flights, gliding_flights, large_flights, other_flights, propeller_flights, quiet_flights, structure_flights
+from catalogue import FEEDBACK_REPETITIONS, REPETITIONS, SAMPLE, WHOLE_SAMPLE, feedback_flights, flights, gliding_flights, large_flights, other_flights, propeller_flights, quiet_flights, structure_flights, whole_flights
 from fly import Plan, fly
 from simulator import Simulator
+from whole import Whole
 
 
 def write_exact(path: pathlib.Path, at: np.ndarray, rows: np.ndarray, flown) -> None:
@@ -49,14 +52,15 @@ def write_exact(path: pathlib.Path, at: np.ndarray, rows: np.ndarray, flown) -> 
 
 def model_name(plan: Plan) -> str:
     """Which model file belongs to a flight; an aircraft that glides has no thrust to record, and that of a propeller nobody records."""
-    return f"{'glide-' if plan.gliding else 'propeller-' if plan.propeller else ''}{plan.axes}.toml"
+    kind = "glide-" if plan.gliding else "propeller-" if plan.propeller else "whole-" if plan.whole else ""
+    return f"{kind}{plan.axes}.toml"
 
 
 def thrust_of(plan: Plan, trim: dict) -> str:
     """What the model file says of the thrust. Of a propeller the engineer knows what level flight at the usual speed takes."""
     if plan.gliding:
         return '"0 N"'
-    return f'"{trim["thrust"]:.4g} N"' if plan.propeller else '{ channel = "thrust" }'
+    return f'"{trim["thrust"]:.4g} N"' if plan.propeller or plan.whole else '{ channel = "thrust" }'
 
 
 def one_flight(sim: Simulator, plan: Plan, split: str, folder: pathlib.Path, exact: bool = False) -> dict:
@@ -115,8 +119,6 @@ def one_aircraft(job) -> list[str]:
     place.mkdir(parents=True, exist_ok=True)
     lines = []
     with tempfile.TemporaryDirectory() as scratch:
-        sim = Simulator(spec, pathlib.Path(scratch), step)
-        usual = sim.trim(spec.speed, spec.altitude)
         plans = [
             plan
             for plan in catalogue(spec, split, repetition)
@@ -125,12 +127,19 @@ def one_aircraft(job) -> list[str]:
         ]
         if not plans:
             return []
+
+        def simulator():
+            bare = Simulator(spec, pathlib.Path(scratch), step)
+            return Whole(bare) if plans[0].whole else bare
+
+        sim = simulator()
+        usual = sim.trim(spec.speed, spec.altitude)
         for plan in {model_name(plan): plan for plan in plans}.values():
             model_file.write(place / model_name(plan), sim, spec, plan.axes, thrust_of(plan, usual))
         for plan in plans:
             try:
                 # Another one for each flight, so that nothing of the last one is left in it.
-                made = one_flight(Simulator(spec, pathlib.Path(scratch), step), plan, split, place, exact)
+                made = one_flight(simulator(), plan, split, place, exact)
                 explained = " ".join(f"{k} {v:.3f}" for k, v in made["truth"]["explained"].items())
                 lines.append(f"{split:9} {spec.name:10} {plan.name:22} {plan.group:18} R2 of the terms: {explained}")
             except RuntimeError as error:
@@ -141,12 +150,12 @@ def one_aircraft(job) -> list[str]:
 class Wanted:
     """Which flights are asked for; a class, so that it can be sent to another process."""
 
-    def __init__(self, only: list[str], sample: bool):
+    def __init__(self, only: list[str], sample: dict | None):
         self.only, self.sample = only, sample
 
     def __call__(self, spec, plan: Plan) -> bool:
         if self.sample:
-            return plan.name in SAMPLE[spec.name]
+            return plan.name in self.sample[spec.name]
         return not self.only or any(text in plan.name for text in self.only)
 
 
@@ -171,6 +180,7 @@ def main() -> None:
     others.add_argument("--propeller", action="store_true", help="flights whose thrust falls with the airspeed and is not recorded, in place of the field")
     others.add_argument("--quiet", action="store_true", help="flights without any manoeuvre, in place of the field")
     others.add_argument("--other", action="store_true", help="flights with sweeps, multisines and other inputs that the field has not, in its place")
+    others.add_argument("--whole", action="store_true", help="flights of aircraft with their own engines and controls, in place of the field")
     others.add_argument("--structure", action="store_true", help="flights of aircraft with a term that no model file has, in place of the field")
     parser.add_argument("--exact", action="store_true", help="beside each record what happened without instruments, as NAME.exact.csv")
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
@@ -184,12 +194,13 @@ def main() -> None:
             parser.error(f"--repetition {arguments.repetition} is one of those of the field itself")
     began = time.time()
     splits = ("develop",) if arguments.sample else (arguments.split,) if arguments.split else ("develop", "look-once")
-    aircraft = list(SAMPLE) if arguments.sample else arguments.aircraft
+    sample = (WHOLE_SAMPLE if arguments.whole else SAMPLE) if arguments.sample else None
+    aircraft = list(sample) if sample else arguments.aircraft
     everyone = FLEET + STRANGERS + NEWCOMERS
     if unknown := set(aircraft) - {spec.name for spec in everyone}:
         parser.error(f"no such aircraft: {', '.join(sorted(unknown))}; there are {', '.join(spec.name for spec in everyone)}")
-    wanted = Wanted(arguments.only, arguments.sample)
-    kinds = {"feedback": feedback_flights, "structure": structure_flights, "gliding": gliding_flights, "large": large_flights, "propeller": propeller_flights, "quiet": quiet_flights, "other": other_flights}
+    wanted = Wanted(arguments.only, sample)
+    kinds = {"feedback": feedback_flights, "structure": structure_flights, "gliding": gliding_flights, "large": large_flights, "propeller": propeller_flights, "quiet": quiet_flights, "other": other_flights, "whole": whole_flights}
     catalogue = next((made for kind, made in kinds.items() if getattr(arguments, kind)), flights)
     jobs = [
         (spec, split, arguments.repetition, arguments.folder, arguments.step, wanted, arguments.exact, catalogue)

@@ -22,6 +22,9 @@ SLUG_FT2 = SLUG * FT * FT
 PSF = LBF / FT / FT
 RHO = SLUG / FT**3
 
+# Bandwidth of the actuators, 1/s, and their limit, rad.
+ACTUATOR, LIMIT = 20.0, 0.35
+
 # Sections that are left out: they would write the surfaces and the thrust themselves.
 LEFT_OUT = ("propulsion", "system", "autopilot", "flight_control", "external_reactions", "output", "input", "buoyant_forces")
 # The functions that damage adds: axis of JSBSim, coefficient of Phugoid, sign, reference length.
@@ -89,8 +92,7 @@ class Simulator:
     """An aircraft of JSBSim, to be trimmed and flown. `folder` holds the description that is written for it."""
 
     def __init__(self, spec, folder: pathlib.Path, step_s: float):
-        self.spec = spec
-        self.step_s = step_s
+        self.spec, self.step_s, self.folder = spec, step_s, folder
         place = folder / "aircraft" / spec.name
         place.mkdir(parents=True, exist_ok=True)
         _description(spec.name, spec.load).write(place / f"{spec.name}.xml")
@@ -105,20 +107,23 @@ class Simulator:
                 self.fdm[name] = 0.0
         if not self.fdm.load_model(spec.name, True):
             raise RuntimeError(f"{spec.name}: JSBSim does not load its description")
-        self.fdm.set_dt(step_s)
         for name, value in spec.properties.items():
             self.fdm[name] = value
         for coefficient, _, _ in DAMAGE.values():
             self.fdm[f"field/{coefficient}"] = 0.0
+        self._prepare()
+
+    def _prepare(self) -> None:
+        """What every aircraft begins with."""
+        self.fdm.set_dt(self.step_s)
         # Second order for all four integrals: the default of the rotation is the rule of Euler.
         for which in ("rate/rotational", "rate/translational", "position/rotational", "position/translational"):
             self.fdm[f"simulation/integrator/{which}"] = 3 if which != "position/translational" else 4
-        manager = self.fdm.get_property_manager()
         self._node = {}
-        self._manager = manager
+        self._manager = self.fdm.get_property_manager()
         self.changes: dict[str, float] = {}
         # Of the last trim, m/s.
-        self.trim_speed = spec.speed
+        self.trim_speed = self.spec.speed
         self.surfaces = {"elevator": 0.0, "aileron": 0.0, "rudder": 0.0}
 
     def node(self, name: str):
@@ -153,8 +158,28 @@ class Simulator:
             write("fcs/right-aileron-pos-norm", -aileron / full[1])
             write("fcs/rudder-pos-norm", rudder / full[2])
 
+    def begin(self, trim: dict[str, float], below: float = 0.0) -> None:
+        """To the state of this trim, without damage. `below`: see `trim`."""
+        self.changes = {}
+        for coefficient, _, _ in DAMAGE.values():
+            self.set(f"field/{coefficient}", 0.0)
+        self.set_surfaces(trim["elevator"], trim["aileron"], trim["rudder"])
+        self.set_thrust(trim["thrust"])
+        self.start(trim["speed"], trim["altitude"], trim["alpha"], 0.0, trim["phi"], climb=trim["climb"])
+        self.place_thrust(below)
+
+    def follow(self, asked: tuple[float, float, float]) -> None:
+        """One step of the actuators towards these angles (rad)."""
+        lag = 1 - math.exp(-ACTUATOR * self.step_s)
+        self.set_surfaces(*(x + lag * (min(max(a, -LIMIT), LIMIT) - x) for x, a in zip(self.surfaces.values(), asked)))
+
     def set_thrust(self, newton: float) -> None:
         self.set("external_reactions/thrust/magnitude", newton / LBF)
+
+    @property
+    def thrust(self) -> float:
+        """Along body x, N."""
+        return self.get("external_reactions/thrust/magnitude") * LBF
 
     def set_wind(self, north: float, east: float, down: float) -> None:
         """Velocity of the air over the ground, m/s."""

@@ -546,7 +546,8 @@ def estimate(
 
     ``method`` is one of :func:`methods`; without it, the one that the model file names is used. ``change_detection``
     switches the detection of sudden changes on or off; without it, the model file decides. SMPE and the EKF, with a
-    model in absolute form, look at the whole record again for changes that were not found in flight, and equation error is held
+    model in absolute form, begin again from the values of equation error where that predicts the record much better,
+    look at the whole record again for changes that were not found in flight, and equation error is held
     against them (``second_answer`` in :meth:`Estimation.to_dict`), and SMPE against the
     regressions (and against filter error and output error, ``third_answer``); with ``causal_only`` the result is what a
     :class:`Session` would have had. ``truth`` gives the true

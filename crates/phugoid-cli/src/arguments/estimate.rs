@@ -64,8 +64,8 @@ pub(crate) struct Estimate {
     /// Look for sudden changes even where the model file says not to
     #[arg(long, conflicts_with = "no_change_detection")]
     pub(crate) change_detection: bool,
-    /// Only what a live session would have known: do not look at the whole record again for changes that were not found
-    /// in flight, and hold no other method against the result
+    /// Only what a live session would have known: do not begin again from the values of equation error, do not look at the
+    /// whole record again for changes that were not found in flight, and hold no other method against the result
     #[arg(long)]
     pub(crate) causal_only: bool,
     /// What to do about terms that the equations of motion ask for and the model file lacks: offer them with their effect

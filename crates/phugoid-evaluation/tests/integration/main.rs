@@ -11,6 +11,7 @@ mod studies;
 mod accuracy;
 mod arena;
 mod batch;
+mod begun_again;
 mod compatibility_field;
 mod cramer_rao_f16;
 mod detection;

@@ -292,9 +292,7 @@ fn a_term_that_is_missing_in_the_drag_leaves_lift_and_moment_standing() {
     assert!(["CD_0", "CD_alpha", "CD_alpha2"].iter().all(|name| concerns.iter().any(|c| c == name)), "{concerns:?}");
     for (name, truth) in [("CL_alpha", 2.864), ("Cm_alpha", -0.2645), ("Cm_q", -27.05), ("Cm_elevator", -0.5488)] {
         let p = offered.parameter(name).unwrap();
-        // Cm_q has not settled in so short a flight, and is not in doubt.
-        let expected = if name == "Cm_q" { FinalStatus::Improving } else { FinalStatus::Converged };
-        assert_eq!(p.status, expected, "{p:?}");
+        assert_eq!(p.status, FinalStatus::Converged, "{p:?}");
         assert!((p.value - truth).abs() < 2.0 * p.corrected_std_error, "{p:?}");
         // The numbers stay those of the model as it was given.
         assert!((p.value - alone.parameter(name).unwrap().value).abs() < 1e-12);

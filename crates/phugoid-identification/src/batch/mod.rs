@@ -40,7 +40,7 @@ mod output_error_frequency;
 mod prediction;
 mod problem;
 mod regression;
-mod regressor_noise;
+pub(crate) mod regressor_noise;
 mod relaxation;
 pub(crate) mod response;
 mod result;

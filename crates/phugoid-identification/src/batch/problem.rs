@@ -18,7 +18,7 @@ pub struct Manoeuvre<'a, const N: usize, const R: usize> {
     /// The model with the constants of this flight and the known input at each sample, for example
     /// [`WithInputs`](super::WithInputs).
     pub plant: &'a dyn Flown<N, R>,
-    /// Sample of the plant at which the manoeuvre begins: 0, unless it is a part of a flight, which may then go on after it.
+    /// Sample of the plant at which the manoeuvre begins: 0, unless it is a part of a flight. The flight may go on after it.
     pub first: usize,
     /// Sample times, s, strictly increasing.
     pub time_s: &'a [f64],
@@ -225,8 +225,7 @@ impl<const N: usize, const R: usize> Structure<N, R> {
             let (name, samples) = (m.name, m.time_s.len());
             // A part of a flight need not reach to its end.
             let inputs = m.plant.samples().saturating_sub(m.first);
-            let enough = if m.first == 0 { inputs == samples } else { inputs >= samples };
-            if !enough || samples != m.outputs.len() || samples < 2 {
+            if inputs < samples || samples != m.outputs.len() || samples < 2 {
                 return refuse(format!(
                     "{name}: {samples} times, {inputs} inputs and {} outputs: they must be equally many, at least two",
                     m.outputs.len()

@@ -30,38 +30,49 @@ pub(crate) fn bias<const R: usize>(
     found: &[f64],
     solve: Solve<'_, R>,
 ) -> Option<Vec<f64>> {
-    let levels: Vec<[f64; R]> = outputs
-        .iter()
-        .map(|samples| {
-            std::array::from_fn(|i| {
-                let values: Vec<f64> = samples.iter().map(|y| y[i]).collect();
-                let noise = if of_state[i] { measure_own_noise(&values) } else { None };
-                // The steps of a recorder are no noise of their own beside that of the sensor.
-                noise.filter(|noise| !noise.quantised).map_or(0.0, |noise| noise.std)
-            })
-        })
-        .collect();
+    let levels: Vec<[f64; R]> = outputs.iter().map(|samples| noise_of(samples, of_state)).collect();
     let mut sum = vec![0.0; found.len()];
-    for pair in 0..PAIRS {
-        for sign in [-1.0, 1.0] {
-            let noisy: Vec<Vec<[f64; R]>> = outputs
-                .iter()
-                .zip(&levels)
-                .enumerate()
-                .map(|(m, (samples, level))| {
-                    let at = |(k, y): (usize, &[f64; R])| {
-                        let place = |i: usize| [pair, m as u64, k as u64, i as u64];
-                        std::array::from_fn(|i| y[i] + sign * level[i] * either_sign(place(i)))
-                    };
-                    samples.iter().enumerate().map(at).collect()
-                })
-                .collect();
-            for ((sum, with), without) in sum.iter_mut().zip(solve(&noisy)?).zip(found) {
-                *sum += (with - without) / (2 * PAIRS) as f64;
-            }
+    for (pair, sign) in signs() {
+        let noisy = outputs.iter().zip(&levels).enumerate();
+        let noisy = noisy.map(|(m, (samples, level))| with_noise(samples, level, pair, sign, m as u64));
+        for ((sum, with), without) in sum.iter_mut().zip(solve(&noisy.collect::<Vec<_>>())?).zip(found) {
+            *sum += (with - without) / (2 * PAIRS) as f64;
         }
     }
     sum.iter().all(|v| v.is_finite()).then_some(sum)
+}
+
+/// The noise of the outputs of one record whose noise gets into the regressors, one sigma; zero of the others.
+pub(crate) fn noise_of<const R: usize>(samples: &[[f64; R]], of_state: &[bool; R]) -> [f64; R] {
+    std::array::from_fn(|i| {
+        let values: Vec<f64> = samples.iter().map(|y| y[i]).collect();
+        let noise = if of_state[i] { measure_own_noise(&values) } else { None };
+        // The steps of a recorder are no noise of their own beside that of the sensor.
+        noise.filter(|noise| !noise.quantised).map_or(0.0, |noise| noise.std)
+    })
+}
+
+/// One record with noise of these levels (one sigma) added, in pairs of opposite signs.
+pub(crate) fn noisy<const R: usize>(samples: &[[f64; R]], levels: &[f64; R]) -> impl Iterator<Item = Vec<[f64; R]>> {
+    signs().map(|(pair, sign)| with_noise(samples, levels, pair, sign, 0))
+}
+
+fn signs() -> impl Iterator<Item = (u64, f64)> {
+    (0..PAIRS).flat_map(|pair| [(pair, -1.0), (pair, 1.0)])
+}
+
+fn with_noise<const R: usize>(
+    samples: &[[f64; R]],
+    level: &[f64; R],
+    pair: u64,
+    sign: f64,
+    record: u64,
+) -> Vec<[f64; R]> {
+    let at = |(k, y): (usize, &[f64; R])| {
+        let place = |i: usize| [pair, record, k as u64, i as u64];
+        std::array::from_fn(|i| y[i] + sign * level[i] * either_sign(place(i)))
+    };
+    samples.iter().enumerate().map(at).collect()
 }
 
 /// Takes the bias off the parameters, and adds what is uncertain of it to their standard errors.

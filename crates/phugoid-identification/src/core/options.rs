@@ -149,8 +149,8 @@ pub struct EstimateOptions {
     /// Changes of the aircraft that are known from another source than the record, in order of time. Methods without change
     /// detection ignore them.
     pub known_changes: Vec<KnownChange>,
-    /// Whether the result is what a live session would have had. Otherwise SMPE and the EKF, with a model in absolute form, look at
-    /// the whole record again for changes that were not found in flight ([`ChangeOutcome::FoundAfterwards`](super::estimation::ChangeOutcome::FoundAfterwards)),
+    /// Whether the result is what a live session would have had. Otherwise SMPE and the EKF, with a model in absolute form, begin again from
+    /// the values of equation error where that predicts the record much better, look at the whole record again for changes that were not found in flight ([`ChangeOutcome::FoundAfterwards`](super::estimation::ChangeOutcome::FoundAfterwards)),
     /// and equation error stands beside both ([`Estimation::second_answer`](super::estimation::Estimation::second_answer)); that takes
     /// one to four times as long as the filter. Beside RLS, the Fourier regression and the implicit sign stands SMPE.
     pub causal_only: bool,

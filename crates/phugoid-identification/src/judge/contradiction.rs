@@ -72,24 +72,39 @@ pub(crate) fn colour(residuals: impl Iterator<Item = f64>) -> Option<f64> {
     Spread::of_values(residuals).map(|spread| spread.colour).filter(|colour| *colour > COLOURED)
 }
 
+/// The equations of motion of a record at the estimates of a run.
+pub(crate) struct AtEstimates<'a> {
+    pub(crate) equations: &'a Equations,
+    /// Works the same out with the noise of the sensors once more ([`Equations::noisier`]).
+    pub(crate) noisier: &'a dyn Fn() -> Vec<Equations>,
+}
+
 /// What the residuals and the equations say against the model: whitened residuals by output at the times given, the
 /// equations if there are any, the stretches that do not count, and the groups of axes of which parameters were estimated.
 pub(crate) fn reasons(
     time_s: &[f64],
     residuals: &[Signal],
-    equations: Option<&Equations>,
+    at_estimates: Option<&AtEstimates<'_>>,
     unsettled: &Unsettled,
     learnt: &[Group],
 ) -> Vec<VerdictReason> {
+    let equations = at_estimates.map(|at| at.equations);
     let mut found: Vec<VerdictReason> = exceedances(time_s, residuals, equations, unsettled).into_iter().collect();
     if found.is_empty() {
         found.extend(rejected(time_s, residuals, unsettled));
     }
-    if let Some(equations) = equations {
+    if let Some(AtEstimates { equations, noisier }) = at_estimates {
         // Where nothing has moved on a group of axes, its motion is noise and its parameters are those given beforehand.
         let is_learnt = |found: &&Explained| learnt.contains(&Group::of(found.output));
         let explained = equations.explained(unsettled.from_s);
-        found.extend(unexplained(explained.iter().filter(is_learnt)));
+        let lost = lost(explained.iter().filter(is_learnt));
+        let noisier = if lost.is_empty() { Vec::new() } else { noisier() };
+        // Noise in the regressors makes right values look wrong. Where it cannot be told from them, the values are what is judged.
+        let is_theirs = |of: &&Explained| {
+            let beyond = equations.lost_beyond_noise(of.output, unsettled.from_s, &noisier);
+            beyond.is_none_or(|beyond| beyond >= LOST)
+        };
+        found.extend(unexplained(lost.into_iter().filter(is_theirs)));
     }
     found
 }
@@ -202,9 +217,14 @@ fn exceedances(
 }
 
 /// The equations whose motion the terms can explain and the estimates do not.
-fn unexplained<'a>(equations: impl Iterator<Item = &'a Explained>) -> Option<VerdictReason> {
+fn lost<'a>(equations: impl Iterator<Item = &'a Explained>) -> Vec<&'a Explained> {
     let is_lost = |of: &&Explained| of.by_terms >= TELLS && of.lost() >= LOST && of.by_chance < CHANCE;
-    let lost: Vec<&Explained> = equations.filter(is_lost).collect();
+    equations.filter(is_lost).collect()
+}
+
+/// What is said of such equations.
+fn unexplained<'a>(lost: impl Iterator<Item = &'a Explained>) -> Option<VerdictReason> {
+    let lost: Vec<&Explained> = lost.collect();
     let most = lost.iter().map(|of| of.lost()).max_by(f64::total_cmp)?;
     let words = |of: &&Explained| {
         let explained = 100.0 * of.by_estimates;
@@ -337,11 +357,13 @@ mod tests {
         let explained = |by_estimates: f64, by_chance: f64| Explained {
             output: Output::Ax,
             seconds: 1.0,
+            left_side: 1.0,
+            left_by_estimates: 1.0 - by_estimates,
             by_estimates,
             by_terms: 0.7,
             by_chance,
         };
-        let status = |of: Explained| unexplained([of].iter()).map(|reason| reason.status);
+        let status = |of: Explained| unexplained(lost([of].iter()).into_iter()).map(|reason| reason.status);
         assert_eq!(status(explained(0.4, 1e-4)), Some(EstimationStatus::Doubtful));
         assert_eq!(status(explained(0.1, 1e-4)), Some(EstimationStatus::Refused));
         assert_eq!(status(explained(0.1, 0.01)), None);

@@ -13,6 +13,7 @@ use phugoid_estimators::discretization::InputHold;
 
 use phugoid_flight_data::statistics::{median, median_step};
 
+use crate::batch::regressor_noise::{noise_of, noisy};
 use crate::batch::{
     BatchParameter, EquationErrorSettings, InitialState, Manoeuvre, Noise, OutputChannel, Structure, equations_at,
 };
@@ -122,6 +123,9 @@ pub(crate) struct Explained {
     pub(crate) output: Output,
     /// Time in which the regressors move, s.
     pub(crate) seconds: f64,
+    /// Squares of the left side about the mean, and those that the estimates leave.
+    pub(crate) left_side: f64,
+    pub(crate) left_by_estimates: f64,
     /// Share of the squares about the mean that the estimates explain: 1 is all, negative is worse than none.
     pub(crate) by_estimates: f64,
     /// The share that the best values of the same terms explain.
@@ -143,6 +147,27 @@ impl Equations {
     pub(crate) fn of<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
         task: &Task<M, N, R>,
         run: &Run<R>,
+    ) -> Option<Self> {
+        Self::at(task, run, &task.prepared.outputs)
+    }
+
+    /// The same with the noise of the measured states put on them once more, several times with white signs: on average regressors
+    /// and residuals have by as much more noise in them as they have of the sensors (as in [`crate::batch::regressor_noise`]).
+    pub(crate) fn noisier<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
+        task: &Task<M, N, R>,
+        run: &Run<R>,
+    ) -> Vec<Self> {
+        let outputs = &task.prepared.outputs;
+        let of_state: [bool; R] = std::array::from_fn(|row| row < N);
+        let levels = noise_of(outputs, &of_state);
+        noisy(outputs, &levels).filter_map(|outputs| Self::at(task, run, &outputs)).collect()
+    }
+
+    /// The equations with these outputs in the place of the measured ones.
+    fn at<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
+        task: &Task<M, N, R>,
+        run: &Run<R>,
+        outputs: &[[f64; R]],
     ) -> Option<Self> {
         let Task { prepared, file, .. } = *task;
         let names = M::AXES.outputs();
@@ -168,7 +193,7 @@ impl Equations {
         let step_s = median_step(&prepared.time)?;
         let settings = EquationErrorSettings::automatic(step_s);
         let half_window_s = settings.half_window_s;
-        let outputs = with_predicted::<N, R>(&prepared.outputs, |row| file.outputs[names[row].index()], &run.predicted);
+        let outputs = with_predicted::<N, R>(outputs, |row| file.outputs[names[row].index()], &run.predicted);
         let time = &prepared.time;
         let (start_s, end_s) = (*time.first()?, *time.last()?);
         let blocks = ((end_s - start_s) / BLOCK_S).floor() as usize + 1;
@@ -278,16 +303,40 @@ impl Equations {
 
     /// How much of each equation is explained where one of its regressors moves, from a time (s) on.
     pub(crate) fn explained(&self, from_s: f64) -> Vec<Explained> {
-        let first = self.block(from_s).map_or(0, |block| block + usize::from(from_s > self.start_s));
-        let of = |equation: &Equation| {
-            let mut moves = vec![false; self.blocks];
-            for i in 0..equation.used.len() {
-                equation.moving(i).into_iter().for_each(|block| moves[block] = true);
-            }
-            let judged = moves.iter().enumerate().filter(|(block, moves)| **moves && *block >= first).map(|m| m.0);
-            equation.explained(judged, self.independent)
-        };
+        let of = |equation: &Equation| equation.explained(&self.judged(equation, from_s), self.independent);
         self.equations.iter().filter_map(of).collect()
+    }
+
+    /// What the estimates lose of one equation ([`Explained::lost`]) if what noise in the regressors makes of them is not counted, from the same
+    /// equations with that noise once more, `noisier`; `None` where they do not tell.
+    ///
+    /// Noise in a regressor makes a residual of values that are right. What more of it adds to the squares of the residual, it has added once
+    /// already, and that is taken off (W. A. Fuller, *Measurement Error Models*, Wiley, 1987, section 1.2). What the best values explain stays as it
+    /// is: noise makes it less.
+    pub(crate) fn lost_beyond_noise(&self, output: Output, from_s: f64, noisier: &[Self]) -> Option<f64> {
+        let of = |equations: &'_ Self| equations.equations.iter().position(|equation| equation.output == output);
+        let own = &self.equations[of(self)?];
+        let blocks = self.judged(own, from_s);
+        let explained = |equation: &Equation| equation.explained(&blocks, self.independent);
+        let of_noisier = |other: &Self| explained(&other.equations[of(other)?]).map(|found| found.left_by_estimates);
+        let left: Vec<f64> = noisier.iter().map(of_noisier).collect::<Option<_>>()?;
+        let mean = left.iter().sum::<f64>() / left.len() as f64;
+        let found = explained(own)?;
+        let without_noise = Explained {
+            by_estimates: found.by_estimates + (mean - found.left_by_estimates) / found.left_side,
+            ..found
+        };
+        Some(without_noise.lost()).filter(|lost| lost.is_finite())
+    }
+
+    /// The blocks from a time (s) on in which a regressor of an equation moves.
+    fn judged(&self, equation: &Equation, from_s: f64) -> Vec<usize> {
+        let first = self.block(from_s).map_or(0, |block| block + usize::from(from_s > self.start_s));
+        let mut moves = vec![false; self.blocks];
+        for i in 0..equation.used.len() {
+            equation.moving(i).into_iter().for_each(|block| moves[block] = true);
+        }
+        (first..self.blocks).filter(|&block| moves[block]).collect()
     }
 }
 
@@ -338,28 +387,32 @@ impl Equation {
     }
 
     /// Of some blocks; `independent` is the part of the rows of which the errors are independent at best.
-    fn explained(&self, blocks: impl Iterator<Item = usize>, independent: f64) -> Option<Explained> {
+    fn explained(&self, blocks: &[usize], independent: f64) -> Option<Explained> {
         let u = self.used.len();
-        let blocks: Vec<usize> = blocks.collect();
-        let over = |by_block: &[DMatrix<f64>]| {
-            blocks.iter().fold(DMatrix::zeros(u + 2, u + 2), |sum, &block| sum + &by_block[block])
-        };
-        let sum = over(&self.sums);
+        let sum = over(&self.sums, blocks);
         if sum[(u + 1, u + 1)] < FEWEST {
             return None;
         }
         let values = DVector::from_row_slice(&self.values);
         let fit = Fit::of(&sum)?;
         let left_side = fit.by_estimates + 2.0 * values.dot(&fit.with_residual) + values.dot(&(&fit.gram * &values));
-        let pairs = [over(&self.pairs[0]), over(&self.pairs[1])];
+        let pairs = [over(&self.pairs[0], blocks), over(&self.pairs[1], blocks)];
         (left_side > 0.0).then(|| Explained {
             output: self.output,
             seconds: blocks.len() as f64 * BLOCK_S,
+            left_side,
+            left_by_estimates: fit.by_estimates,
             by_estimates: 1.0 - fit.by_estimates / left_side,
             by_terms: 1.0 - fit.by_best / left_side,
             by_chance: by_chance(&fit, &pairs, independent),
         })
     }
+}
+
+/// The sum of products over some blocks.
+fn over(by_block: &[DMatrix<f64>], blocks: &[usize]) -> DMatrix<f64> {
+    let [rows, columns] = by_block.first().map_or([0, 0], |first| [first.nrows(), first.ncols()]);
+    blocks.iter().fold(DMatrix::zeros(rows, columns), |sum, &block| sum + &by_block[block])
 }
 
 /// The best values of the terms of an equation by least squares about the mean: constants are not judged.
@@ -543,6 +596,44 @@ mod tests {
             let wrong = explained(seconds, [0.8, -0.4], noise, lasting, 8);
             assert!(wrong.by_terms > 0.6 && wrong.lost() > 0.4 && wrong.by_chance < 1e-4, "{seconds} s: {wrong:?}");
         }
+    }
+
+    /// Half a minute of `y = x - 0.5 z` at values that are wrong by `error`, with noise in the regressor x alone, `more` of it on top.
+    fn with_noise_in_a_regressor(error: [f64; 2], more: f64) -> Equations {
+        let values = [1.0 + error[0], -0.5 + error[1]];
+        let [mut noise, mut added] = [white(3), white(4)];
+        let row = |k: usize| {
+            let t = k as f64 / BLOCK as f64;
+            let (x, z) = (0.3 * (3.0 * t).sin(), 0.3 * (5.0 * t).cos());
+            let measured = x + 0.6 * (noise() + more * added());
+            ([measured, z], x - 0.5 * z - values[0] * measured - values[1] * z)
+        };
+        let rows: Vec<([f64; 2], f64)> = (0..30 * BLOCK).map(row).collect();
+        let mut equations =
+            Equations { columns: Vec::new(), start_s: 0.0, blocks: 30, independent: 1.0, equations: Vec::new() };
+        for (k, (regressors, residual)) in rows.iter().enumerate() {
+            let before = k.checked_sub(HALF).map(|k| (&rows[k].0[..], rows[k].1));
+            equations.add(Output::Az, k / BLOCK, (&regressors[..], *residual), before, &values);
+        }
+        equations
+    }
+
+    #[test]
+    fn what_noise_in_a_regressor_loses_is_not_lost_by_the_estimates() {
+        let lost = |error: [f64; 2]| {
+            let own = with_noise_in_a_regressor(error, 0.0);
+            let noisier = [-1.0, 1.0].map(|more| with_noise_in_a_regressor(error, more));
+            let beyond = own.lost_beyond_noise(Output::Az, f64::NEG_INFINITY, &noisier).unwrap();
+            (own.explained(f64::NEG_INFINITY)[0].lost(), beyond)
+        };
+        let (by_right, by_right_beyond) = lost([0.0; 2]);
+        assert!(by_right > 0.9 && by_right_beyond < 0.1, "{by_right} {by_right_beyond}");
+        let (by_wrong, by_wrong_beyond) = lost([-1.5, 1.0]);
+        assert!(by_wrong > 0.9 && by_wrong_beyond > 0.9, "{by_wrong} {by_wrong_beyond}");
+        // Without the same with more noise nothing is said, and of an equation that is not there.
+        let own = with_noise_in_a_regressor([0.0; 2], 0.0);
+        assert_eq!(own.lost_beyond_noise(Output::Az, f64::NEG_INFINITY, &[]), None);
+        assert_eq!(own.lost_beyond_noise(Output::Ax, f64::NEG_INFINITY, &[]), None);
     }
 
     #[test]

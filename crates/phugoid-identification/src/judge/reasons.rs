@@ -10,15 +10,16 @@ use crate::core::estimation::{
     EstimationStatus, EventKind, FinalStatus, History, ParameterResult, ReasonCode, Signal, VerdictReason,
 };
 use crate::core::method::Method;
+use crate::core::options::CAPACITY;
 use crate::core::output::Output;
-use crate::judge::contradiction::{self, Unsettled};
+use crate::judge::contradiction::{self, AtEstimates, Unsettled};
 use crate::judge::equations::Equations;
 use crate::judge::{
     agreement, attitude, constancy, disputed, explained, fit, input_noise, integrity, physics, smoothed,
 };
 use crate::methods::{Run, Task};
 use crate::model_file::{ModelFile, Role};
-use crate::motion::Motion;
+use crate::motion::MotionModel;
 
 /// What output error has to add where residuals or equations speak against the model: its free simulation knows no
 /// disturbance, and on foreign flights filter error answered where it was refused.
@@ -27,7 +28,7 @@ const WITHOUT_PROCESS_NOISE: &str = "Turbulence and what the model lacks do this
 
 /// The reasons why a result is not sound, the severest first.
 #[allow(clippy::too_many_arguments)] // what a verdict rests on
-pub(crate) fn reasons<M: Motion<N, R>, const N: usize, const R: usize>(
+pub(crate) fn reasons<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
     task: &Task<M, N, R>,
     record: &Record,
     parameters: &[ParameterResult],
@@ -45,7 +46,10 @@ pub(crate) fn reasons<M: Motion<N, R>, const N: usize, const R: usize>(
         found.extend(diverged(run));
         let learnt = learnt_groups(task.file, parameters);
         let unsettled_s = unsettled_stretches(run, &history.time_s);
-        let against = contradiction::reasons(&history.time_s, &history.residuals, equations, &unsettled_s, &learnt);
+        let noisier = || Equations::noisier(task, run);
+        let at_estimates = equations.map(|equations| AtEstimates { equations, noisier: &noisier });
+        let (time_s, residuals) = (&history.time_s, &history.residuals);
+        let against = contradiction::reasons(time_s, residuals, at_estimates.as_ref(), &unsettled_s, &learnt);
         found.extend(against.into_iter().map(|reason| match task.method() {
             Method::OutputError | Method::OutputErrorFrequency => {
                 VerdictReason { sentence: format!("{} {WITHOUT_PROCESS_NOISE}", reason.sentence), ..reason }

@@ -15,7 +15,7 @@ use crate::core::output::Output;
 use crate::core::term::Variable;
 use crate::judge::contradiction::{Spread, colour};
 use crate::judge::{physics, systematic};
-use crate::methods::{Run, Task};
+use crate::methods::{BegunAgain, Run, Task};
 use crate::model_file::{ModelFile, Role};
 use crate::motion::Motion;
 
@@ -54,6 +54,7 @@ pub(crate) fn verdict<M: Motion<N, R>, const N: usize, const R: usize>(
         advice(parameters, &mut sentences);
         changes(parameters, run, contradicted, adopted, &mut sentences);
         residuals(&history.residuals, run, &mut sentences);
+        sentences.extend(run.begun_again.as_ref().map(|begun| begun_again(task.file, run, begun)));
     }
     noise(task, run, &mut sentences);
     if let Some(report) = &run.batch {
@@ -452,6 +453,21 @@ fn before_and_after(change: &AdoptedChange, contradicted: bool) -> String {
     format!(
         "{what}: found at {time_s:.2} s{when}; {list}. A term that the model lacks, another flight condition, or a sensor error \
          that began then can look the same.{state}"
+    )
+}
+
+/// What another start made of the run.
+fn begun_again<const R: usize>(file: &ModelFile, run: &Run<R>, begun: &BegunAgain) -> String {
+    let named = |(column, before): (usize, f64)| {
+        let (parameter, now) = (file.estimated().nth(column)?, run.columns.get(column)?);
+        let [before, now] = [before, now.value].map(|value| significant(value, 4));
+        Some(format!(" From the `start` values {} came out as {before} in place of {now}.", parameter.name))
+    };
+    format!(
+        "The filter was run a second time, from the values of equation error (with ten of their standard errors), because the record is \
+         predicted better so than from the `start` values of the model file, by {:.0} nats.{}",
+        begun.gain,
+        begun.most.and_then(named).unwrap_or_default()
     )
 }
 

@@ -1,5 +1,7 @@
 //! Runs a batch method over a record, and puts its result into the form of a causal run.
 
+use std::ops::Range;
+
 use phugoid_estimators::discretization::InputHold;
 use phugoid_estimators::{ParameterStatus, Phase, Status};
 use phugoid_flight_data::record::Record;
@@ -113,6 +115,7 @@ pub(super) fn run_batch<M: MotionModel<N, R, CAPACITY>, const N: usize, const R:
         second_answer,
         no_second_answer,
         disputed: None,
+        begun_again: None,
         said_of_base: None,
         follows_constants: systematic.is_some(),
         learnt: Vec::new(),
@@ -186,6 +189,20 @@ pub(super) fn structure<M: MotionModel<N, R, CAPACITY>, const N: usize, const R:
         maximum_gap_s: settings.maximum_gap_s,
         likelihood: options.likelihood,
     })
+}
+
+/// The parameters by equation error from these samples of the task's record alone.
+///
+/// # Errors
+/// Why the equations give no answer.
+pub(super) fn equations_of<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
+    task: &Task<M, N, R>,
+    samples: Range<usize>,
+) -> Result<Vec<OtherValue>, EstimateError> {
+    let prepared = task.prepared;
+    let part = manoeuvre::<M, N, R>("the record", prepared).part(samples);
+    let settings = EquationErrorSettings::automatic(sample_time(&prepared.time));
+    Ok(others(&batch::equation_error(&[part], &structure::<M, N, R>(task)?, &settings)?.fit))
 }
 
 struct Solved<const N: usize, const R: usize> {
@@ -316,7 +333,7 @@ fn band<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
     })
 }
 
-pub(super) fn others(fit: &BatchFit) -> Vec<OtherValue> {
+fn others(fit: &BatchFit) -> Vec<OtherValue> {
     let parameters = fit.unknowns.iter().filter(|u| {
         matches!(u.kind, UnknownKind::Parameter { .. }) && !u.at_limit && u.corrected_std_error.is_finite()
     });

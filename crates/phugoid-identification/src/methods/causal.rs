@@ -57,6 +57,7 @@ pub(super) fn run_causal<M: Motion<N, R>, const N: usize, const R: usize>(
         third_answer: None,
         no_second_answer: None,
         disputed: None,
+        begun_again: None,
         said_of_base: None,
         follows_constants: task.follows_constants(),
         learnt: Vec::new(),

@@ -2,6 +2,7 @@
 
 mod air_data;
 mod batch;
+mod begin_again;
 mod causal;
 mod changes;
 mod consistency;
@@ -25,6 +26,7 @@ mod watch;
 use crate::core::error::EstimateError;
 use crate::core::method::Method;
 pub(crate) use batch::manoeuvre as whole_record;
+pub(crate) use begin_again::begin_again;
 use causal::run_causal;
 pub(crate) use constants::{follow_regression, is_run_again};
 pub(crate) use health_watch::HealthRun;
@@ -35,7 +37,7 @@ pub(crate) use room::{EveryRoom, causal_run};
 pub(crate) use second::beside_causal;
 pub(crate) use snapshot::Snapshot;
 pub(crate) use stepper::CausalRun;
-pub(crate) use task::{ColumnRun, Disputed, ModelError, Run, RunChange, Task};
+pub(crate) use task::{BegunAgain, ColumnRun, Disputed, ModelError, Run, RunChange, Task};
 
 /// Runs the method of the task.
 ///

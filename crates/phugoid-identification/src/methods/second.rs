@@ -6,12 +6,11 @@
 //! against the motion that all equations make together. A sensor that is late, a term that the model lacks, or gusts bend the
 //! two in different ways, and neither shows it in its own bounds.
 
-use super::batch::{manoeuvre, others, structure};
+use super::batch::equations_of;
+use super::begin_again::begin_again;
 use super::causal::run_causal;
 use super::room::{EveryRoom, causal_run};
-use super::settings::sample_time;
 use super::task::{ColumnRun, ModelError, Run, Task};
-use crate::batch::{EquationErrorSettings, Manoeuvre, equation_error};
 use crate::core::error::EstimateError;
 use crate::core::estimation::{OtherValue, SecondAnswer, without_part};
 use crate::core::method::Method;
@@ -40,7 +39,8 @@ pub(super) fn by_filter<M: EveryRoom<N, R>, const N: usize, const R: usize>(
         let options =
             EstimateOptions { method: Some(FILTER), change_detection: Some(looks), ..EstimateOptions::default() };
         let own = Task { model_error, ..Task::new(prepared, file, &options, noise) };
-        run_causal(&mut *causal_run(&own)?, &own, &mut |_| {})
+        let first = run_causal(&mut *causal_run(&own)?, &own, &mut |_| {})?;
+        Ok(begin_again(&own, first).run)
     };
     let is_better = |changing: &Run<R>| {
         let stands = changing.changes.iter().any(|change| change.outcome.stands());
@@ -97,20 +97,12 @@ fn by_equations<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     let mut ends: Vec<usize> = standing().map(|change| change.time_s).filter(|t| *t > since_s).map(sample).collect();
     ends.push(prepared.time.len());
     ends.sort_unstable();
-    let settings = EquationErrorSettings::automatic(sample_time(&prepared.time));
-    let structure = structure::<M, N, R>(task)?;
     let mut first = sample(since_s);
     let mut before: Vec<Vec<OtherValue>> = Vec::with_capacity(ends.len());
     let mut last = Ok(Vec::new());
     for end in ends {
-        let part = Manoeuvre {
-            first,
-            time_s: &prepared.time[first..end],
-            outputs: &prepared.outputs[first..end],
-            ..manoeuvre::<M, N, R>("the record", prepared)
-        };
         before.extend(last.ok());
-        last = equation_error(&[part], &structure, &settings).map(|found| others(&found.fit));
+        last = equations_of(task, first..end);
         first = end;
     }
     let last = last?;
@@ -119,10 +111,16 @@ fn by_equations<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     Ok(SecondAnswer { method: Method::EquationError, values: last.into_iter().map(together).collect() })
 }
 
-/// The mean of a value and of those of the same name in other parts of the flight, by their errors.
+/// Errors by which a value of an earlier part of the flight may differ from that of the last, so that both are taken for the same: what looking
+/// back asks of a derivative that changed.
+const SAME: f64 = 5.0;
+
+/// The mean of a value and of those of the same name in other parts of the flight, by their errors; without parts in which it is another one.
 fn mean(value: OtherValue, parts: &[Vec<OtherValue>]) -> OtherValue {
-    let same = parts.iter().flatten().filter(|other| other.name == value.name);
     let known = |v: &&OtherValue| v.value.is_finite() && v.std_error.is_finite() && v.std_error > 0.0;
+    // Of no number nothing differs, and the others are left.
+    let is_another = |v: &OtherValue| (v.value - value.value).abs() > SAME * v.std_error.hypot(value.std_error);
+    let same = parts.iter().flatten().filter(|other| other.name == value.name && !is_another(other));
     let all: Vec<&OtherValue> = same.chain([&value]).filter(known).collect();
     let weight: f64 = all.iter().map(|v| v.std_error.powi(-2)).sum();
     let sum: f64 = all.iter().map(|v| v.value * v.std_error.powi(-2)).sum();
@@ -144,9 +142,11 @@ mod tests {
     fn parts_of_a_flight_count_by_their_errors() {
         let of = |value: f64, std_error: f64| OtherValue { name: "Cm_q".to_owned(), value, std_error };
         let other = OtherValue { name: "Cm_alpha".to_owned(), value: 9.0, std_error: 0.01 };
-        let found = mean(of(-10.0, 1.0), &[vec![of(-16.0, 0.5), other], vec![of(f64::NAN, 1.0)]]);
-        assert!((found.value + 14.8).abs() < 1e-12 && (found.std_error - 0.2_f64.sqrt()).abs() < 1e-12, "{found:?}");
+        let found = mean(of(-10.0, 1.0), &[vec![of(-15.0, 0.5), other], vec![of(f64::NAN, 1.0)]]);
+        assert!((found.value + 14.0).abs() < 1e-12 && (found.std_error - 0.2_f64.sqrt()).abs() < 1e-12, "{found:?}");
         assert_eq!(mean(of(-10.0, 1.0), &[]), of(-10.0, 1.0));
+        // It is another one in the part before: eight errors.
+        assert_eq!(mean(of(-10.0, 1.0), &[vec![of(-18.0, 0.1)]]), of(-10.0, 1.0));
         assert!(mean(of(f64::NAN, 1.0), &[]).value.is_nan());
     }
 }

@@ -54,12 +54,23 @@ pub(crate) struct Run<const R: usize> {
     pub(crate) no_second_answer: Option<String>,
     /// A change that was not believed when the record was looked at again; `None` where there is none with much evidence.
     pub(crate) disputed: Option<Disputed>,
+    /// What another start made of the run; `None` where it is from the starts of the model file.
+    pub(crate) begun_again: Option<BegunAgain>,
     /// What is said of errors of the tables of the base; none where the declared ones were not worked out.
     pub(crate) said_of_base: Option<String>,
     /// True if errors of the declared constants were followed, false if they are carried by the powers of the scales.
     pub(crate) follows_constants: bool,
     /// The declared constants of which the flight itself says what they are, whether that is used or not.
     pub(crate) learnt: Vec<LearntQuantity>,
+}
+
+/// A run that began at other values than those of the model file, because they predict the record better.
+#[derive(Clone, Debug)]
+pub(crate) struct BegunAgain {
+    /// How much better, nats.
+    pub(crate) gain: f64,
+    /// The column that is the most another one at the end than from the starts of the model file, and its value from there.
+    pub(crate) most: Option<(usize, f64)>,
 }
 
 /// A moment at which a record asks for other parameters, though none of them shows that the aircraft changed.
@@ -181,6 +192,15 @@ impl<'a, M: Motion<N, R>, const N: usize, const R: usize> Task<'a, M, N, R> {
         let looks = options.change_detection.unwrap_or(file.change_detection);
         let model_error = if looks { ModelError::Slow } else { ModelError::Free };
         Self { prepared, file, options, noise, health: None, model_error, displaced: None }
+    }
+
+    /// The same with another model file.
+    pub(crate) fn with_file<'b>(&self, file: &'b ModelFile) -> Task<'b, M, N, R>
+    where
+        'a: 'b,
+    {
+        let Self { prepared, options, noise, health, model_error, displaced, .. } = *self;
+        Task { prepared, file, options, noise, health, model_error, displaced }
     }
 
     /// The method: as asked for, else as the model file says.

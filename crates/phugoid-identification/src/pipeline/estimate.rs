@@ -15,7 +15,7 @@ use crate::judge::offer::{
 };
 pub use crate::judge::offer::{tried_by_the_method, with_offered};
 use crate::judge::summary::summarise;
-use crate::methods::{EveryRoom, HealthRun, Task, beside_causal, follow_regression, is_run_again, run};
+use crate::methods::{EveryRoom, HealthRun, Task, begin_again, beside_causal, follow_regression, is_run_again, run};
 use crate::model_file::ModelFile;
 use crate::models::lateral::LateralModel;
 use crate::models::longitudinal::LongitudinalModel;
@@ -28,7 +28,8 @@ use crate::preparation::prepared::Prepared;
 
 /// Estimates the parameters of `model` from `record`, sample by sample as an on-board computer would: no estimate uses
 /// a later sample, except that SMPE and the EKF, with a model in absolute form, look at the whole record again for sudden changes
-/// that they did not find in flight, and are then opened where they happened ([`ChangeOutcome::FoundAfterwards`](crate::estimation::ChangeOutcome));
+/// that they did not find in flight, and are then opened where they happened ([`ChangeOutcome::FoundAfterwards`](crate::estimation::ChangeOutcome)),
+/// and that they begin again from the values of equation error where that predicts the record much better (the verdict says so);
 /// [`EstimateOptions::causal_only`] leaves that out. It may be called on any thread: models of the lateral motion, whose estimators need 3 MB of stack,
 /// run on one of their own, and `progress` is called from the caller's. (Measured noise levels, where the model file
 /// gives none, are those of the first two seconds, or of the first 40 samples if that is longer.) `progress` is called
@@ -249,7 +250,9 @@ fn once<'a, M: EveryRoom<N, R> + 'a, const N: usize, const R: usize>(
         (false, false) => 1.0,
     };
     let causal = run(&task, &mut |done| progress(first * done))?;
-    let mut run = look_back(&task, causal, &mut |done| progress(first + (1.0 - first) * done))?;
+    let begun = begin_again(&task, causal);
+    let from = begun.file.as_ref().map_or_else(|| task.with_file(task.file), |file| task.with_file(file));
+    let mut run = look_back(&from, begun.run, &mut |done| progress(first + (1.0 - first) * done))?;
     if !task.method().is_batch() {
         match beside_causal(&task, &run) {
             Some(Ok(answer)) => run.second_answer = Some(answer),

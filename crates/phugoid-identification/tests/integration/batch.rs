@@ -114,6 +114,22 @@ fn output_error_recovers_exact_data_exactly() {
     assert!((found.manoeuvres[0].biases[2] - 0.3).abs() < 1e-8);
 }
 
+/// A part of a flight from its beginning on needs no inputs that end where it does: equation error beside a filter solves a flight in parts.
+#[test]
+fn a_part_from_the_beginning_is_a_flight_that_ends_there() {
+    let whole = fly(300, 0.5, white(3));
+    let cut = Data {
+        time: whole.time[..200].to_vec(),
+        inputs: whole.inputs[..200].to_vec(),
+        outputs: whole.outputs[..200].to_vec(),
+    };
+    let part = Manoeuvre { time_s: &whole.time[..200], outputs: &whole.outputs[..200], ..manoeuvre("part", &whole) };
+    let structure = structure(STABLE.map(|v| 0.7 * v), |_| Noise::Estimated);
+    let settings = EquationErrorSettings::automatic(STEP_S);
+    let of = |m: Manoeuvre<'_, 2, 3>| equation_error(&[m], &structure, &settings).unwrap().fit.parameters;
+    assert_eq!(of(part), of(manoeuvre("cut", &cut)));
+}
+
 /// Independent data: the information of all together is the sum of the single ones, so that the variance of each
 /// parameter is below that of every single one; by the sum exactly, for initial states are each manoeuvre's own.
 #[test]
