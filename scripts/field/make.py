@@ -208,13 +208,17 @@ def main() -> None:
         for spec in everyone
         if (spec.name in aircraft if aircraft else spec in (NEWCOMERS if arguments.newcomers else STRANGERS if arguments.strangers else FLEET)) and not (split == "develop" and spec.look_once_only)
     ]
-    left_out = 0
+    made = left_out = 0
     # A process of its own for each aircraft: JSBSim ends the process where a description is wrong.
     with multiprocessing.Pool(arguments.jobs, maxtasksperchild=1) as pool:
         for lines in pool.imap(one_aircraft, jobs):
             for line in lines:
+                made += 1
                 left_out += "LEFT OUT" in line
                 print(line, flush=True)
+    if made == 0:
+        # Not every aircraft is in every catalogue: some cannot fly with their own engines, some have no flight control system here.
+        sys.exit(f"no flight was made: this kind of flights has none of {', '.join(aircraft) or 'these aircraft'} with these names in {', '.join(splits)}")
     print(f"{time.time() - began:.0f} s, {left_out} flights left out", file=sys.stderr)
 
 

@@ -251,7 +251,7 @@ fn once<'a, M: EveryRoom<N, R> + 'a, const N: usize, const R: usize>(
     };
     let causal = run(&task, &mut |done| progress(first * done))?;
     let begun = begin_again(&task, causal);
-    let from = begun.file.as_ref().map_or_else(|| task.with_file(task.file), |file| task.with_file(file));
+    let from = task.with_file(begun.file.as_ref().unwrap_or(task.file));
     let mut run = look_back(&from, begun.run, &mut |done| progress(first + (1.0 - first) * done))?;
     if !task.method().is_batch() {
         match beside_causal(&task, &run) {
