@@ -192,11 +192,13 @@ where
 
     fn parameter_status(&self, j: usize, observability: f64, corrected: f64) -> ParameterStatus {
         let theta = self.champion.common().theta[j];
+        // Held where the data want to leave: this is not a matter of what they say, but of the limit.
+        if j < self.columns.own() && self.champion.common().limited[j] {
+            return ParameterStatus::AtLimit;
+        }
         let limited = j < self.columns.own() && {
             let prior = &self.settings.priors[j];
-            self.champion.common().limited[j]
-                || theta - 2.0 * corrected > prior.upper
-                || theta + 2.0 * corrected < prior.lower
+            theta - 2.0 * corrected > prior.upper || theta + 2.0 * corrected < prior.lower
         };
         let std = self.columns.std[j];
         let change = self.change_std(j);

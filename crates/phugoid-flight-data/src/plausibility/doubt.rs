@@ -27,7 +27,7 @@ pub enum Cause {
 }
 
 /// Channels whose unit, sign or sensor is implausible.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Doubt {
     /// The channel that is wrong; several if they contradict each other and any of them may be wrong.
     pub channels: Vec<String>,
@@ -35,6 +35,8 @@ pub struct Doubt {
     pub certainty: Certainty,
     /// What is probably wrong with them.
     pub cause: Cause,
+    /// From when on, s on the clock of the record, where it begins in flight; `None` of the whole record.
+    pub since_s: Option<f64>,
     /// What was found, what was expected, and what the user can do, as a sentence without its subject.
     pub message: String,
 }
@@ -111,7 +113,15 @@ impl<'a> Doubts<'a> {
 
     pub(super) fn add_cause(&mut self, channels: &[&str], certainty: Certainty, cause: Cause, message: String) {
         let channels = channels.iter().map(|name| (*name).to_owned()).collect();
-        self.found.push(Doubt { channels, certainty, cause, message });
+        self.found.push(Doubt { channels, certainty, cause, since_s: None, message });
+    }
+
+    /// A sensor that fails at a time, s.
+    pub(super) fn add_since(&mut self, channel: &str, since_s: f64, message: String) {
+        self.add_cause(&[channel], Certainty::Doubtful, Cause::Sensor, message);
+        if let Some(last) = self.found.last_mut() {
+            last.since_s = Some(since_s);
+        }
     }
 
     /// As `add`, but replaces earlier findings about one of these channels alone, because they have the same cause.

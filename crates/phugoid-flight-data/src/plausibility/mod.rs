@@ -56,6 +56,7 @@ pub fn check(record: &Record) -> Vec<Doubt> {
     time::step(&mut doubts);
     flow_angles::alpha(&mut doubts);
     flow_angles::beta(&mut doubts);
+    sensors::still(&mut doubts);
     sensors::stuck(&mut doubts);
     sensors::stuck_surfaces(&mut doubts);
     sensors::saturated(&mut doubts);

@@ -23,6 +23,8 @@ const COARSE: f64 = 0.01;
 /// A channel enters and leaves the end of its range with at least this part of it per sample: a gentle turn of the
 /// motion, or a trim before the first input, does not.
 const ABRUPT: f64 = 0.004;
+/// Fewest samples of a record that is asked for a sensor that stands still throughout.
+const FEWEST: usize = 20;
 /// Least total time at one end, s.
 const SATURATED_S: f64 = 0.3;
 
@@ -57,8 +59,57 @@ pub(super) fn stuck(doubts: &mut Doubts) {
             Short(from),
             Short(to)
         );
+        doubts.add_since(name, from, message);
+    }
+}
+
+/// Channels of which none stands still while two others are measured with noise, in the longitudinal and in the lateral motion.
+const TOGETHER: [&[&str]; 2] = [&["true_airspeed", "alpha", "theta", "q", "az"], &["beta", "phi", "p", "r", "ay"]];
+
+/// Second differences are as large as this part of the first ones where there is noise: of white noise 1.7 times, of a motion that is recorded
+/// without noise a tenth and less.
+const ROUGH: f64 = 0.3;
+
+/// Checks for sensors that show one value from the first sample to the last, while others are noisy. A simulation without noise may well
+/// hold a speed, or fly without sideslip.
+pub(super) fn still(doubts: &mut Doubts) {
+    if doubts.time().len() < FEWEST {
+        return;
+    }
+    let mut found = Vec::new();
+    for together in TOGETHER {
+        let of = |name: &&'static str| doubts.values(name).map(|values| (*name, single(values)));
+        let all: Vec<(&str, Option<f64>)> = together.iter().filter_map(of).collect();
+        let mut moving = together.iter().filter(|name| doubts.values(name).is_some_and(is_rough)).copied();
+        let (Some(first), Some(second)) = (moving.next(), moving.next()) else { continue };
+        let still = all.iter().filter_map(|(name, value)| Some((*name, (*value)?)));
+        found.extend(still.filter(|(name, _)| !doubts.any(&[name])).map(|(name, value)| (name, value, first, second)));
+    }
+    for (name, value, first, second) in found {
+        let message = format!(
+            "is {} in the whole record, in which {first} and {second} move: the sensor was stuck, or the recorder wrote a value \
+             of its own. Leave the channel out of `outputs`; where the model needs it, this record cannot be used",
+            Short(value)
+        );
         doubts.add_cause(&[name], Certainty::Doubtful, Cause::Sensor, message);
     }
+}
+
+/// Whether the samples of a channel scatter from one to the next, as those of a sensor do.
+fn is_rough(values: &[f64]) -> bool {
+    let middle = |differences: &mut dyn Iterator<Item = f64>| {
+        median(&mut differences.map(f64::abs).filter(|d| d.is_finite() && *d > 0.0).collect::<Vec<f64>>())
+    };
+    let first = middle(&mut values.windows(2).map(|v| v[1] - v[0]));
+    let second = middle(&mut values.windows(3).map(|v| v[2] - 2.0 * v[1] + v[0]));
+    first.zip(second).is_some_and(|(first, second)| second > ROUGH * first)
+}
+
+/// The one value that all samples of a channel have; `None` where there are several, or none.
+fn single(values: &[f64]) -> Option<f64> {
+    let mut finite = values.iter().copied().filter(|value| value.is_finite());
+    let first = finite.next()?;
+    finite.all(|value| value == first).then_some(first)
 }
 
 /// Checks for positions of control surfaces that stand still between noisy ones. A surface may rest for long, but a noisy
@@ -90,7 +141,7 @@ pub(super) fn stuck_surfaces(doubts: &mut Doubts) {
             Short(from),
             Short(to)
         );
-        doubts.add_cause(&[name], Certainty::Doubtful, Cause::Sensor, message);
+        doubts.add_since(name, from, message);
     }
 }
 
@@ -174,6 +225,35 @@ mod tests {
         }
         let record = Record::from_columns("test", [("time_s", time), ("elevator_rad", elevator)]).unwrap();
         super::super::check(&record).iter().any(|doubt| doubt.message.contains("repeats one value"))
+    }
+
+    #[test]
+    fn a_sensor_that_shows_one_value_throughout_is_named_where_the_motion_is_seen_by_others() {
+        let time: Vec<f64> = (0..400).map(|k| 0.05 * f64::from(k)).collect();
+        let found = |noise: f64, alpha: f64, theta: f64, q: f64| {
+            let scatter = |t: f64| noise * ((7919.0 * t).sin() + (15331.0 * t).cos() + (31337.7 * t).sin());
+            let wave =
+                |size: f64| time.iter().map(|t| 0.1 + size * ((2.0 * t).sin() + scatter(*t))).collect::<Vec<f64>>();
+            let columns = [
+                ("time_s", time.clone()),
+                ("alpha_rad", wave(alpha)),
+                ("theta_rad", wave(theta)),
+                ("q_rad_s", wave(q)),
+            ];
+            let record = Record::from_columns("test", columns).unwrap();
+            let doubts = super::super::check(&record);
+            doubts
+                .iter()
+                .filter(|d| d.message.contains("in the whole record"))
+                .map(|d| d.channels[0].clone())
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(found(0.05, 0.02, 0.03, 0.0), ["q"]);
+        assert_eq!(found(0.05, 0.0, 0.03, 0.06), ["alpha"]);
+        assert_eq!(found(0.05, 0.02, 0.03, 0.06), [] as [&str; 0]);
+        // One of the three moves by itself, and a simulation without noise.
+        assert_eq!(found(0.05, 0.0, 0.0, 0.06), [] as [&str; 0]);
+        assert_eq!(found(0.0, 0.02, 0.03, 0.0), [] as [&str; 0]);
     }
 
     #[test]

@@ -73,8 +73,15 @@ pub(super) const SLOWEST: f64 = 5.0;
 
 /// Checks the size of the airspeed.
 fn airspeed(doubts: &mut Doubts) {
-    let sizes = doubts.values("true_airspeed").map(|values| values.iter().map(|value| value.abs()));
-    let speed = sizes.and_then(median_of_finite);
+    let values = || doubts.values("true_airspeed").map(|values| values.iter().copied());
+    if let Some(speed) = values().and_then(median_of_finite).filter(|speed| *speed <= -SLOWEST) {
+        let message = format!(
+            "is {} m/s in the middle (median), and no airspeed is negative: change the sign, map it with scale -1",
+            Short(speed)
+        );
+        return doubts.add(&["true_airspeed"], Certainty::Certain, message);
+    }
+    let speed = values().and_then(|values| median_of_finite(values.map(f64::abs)));
     if let Some(speed) = speed.filter(|speed| !(SLOWEST..=1200.0).contains(speed)) {
         if speed < SLOWEST
             && let Some(message) = standing::message(doubts)

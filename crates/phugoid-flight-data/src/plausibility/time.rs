@@ -9,6 +9,10 @@ const UNITS: [(&str, f64); 3] = [("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)];
 const SLOWEST_S: f64 = 2.0;
 /// At this step, s, and beyond not even a slow logger is left.
 const IMPOSSIBLE_S: f64 = 60.0;
+/// Nobody records the motion of an aircraft at shorter steps, s ...
+const FASTEST_S: f64 = 5e-4;
+/// ... and in a record that is shorter, s, no aircraft moves.
+const SHORTEST_S: f64 = 1.0;
 /// Fewest samples of a record that is asked.
 const FEWEST: usize = 20;
 
@@ -21,6 +25,7 @@ pub(crate) fn unit_of_step(step: f64) -> Option<(&'static str, f64)> {
 
 /// Checks the step of the time: stamps in milliseconds, microseconds or nanoseconds that were read as seconds.
 pub(super) fn step(doubts: &mut Doubts) {
+    seconds(doubts);
     let time = doubts.time();
     // The rates and attitudes may have told it already.
     let told = doubts.found.iter().any(|doubt| doubt.message.contains("the time is probably"));
@@ -35,4 +40,23 @@ pub(super) fn step(doubts: &mut Doubts) {
         Short(step)
     );
     doubts.add(&["time"], certainty, message);
+}
+
+/// Checks for stamps in seconds that were read as milliseconds, microseconds or nanoseconds.
+fn seconds(doubts: &mut Doubts) {
+    let time = doubts.time();
+    let (Some(first), Some(last)) = (time.first(), time.last()) else { return };
+    let Some(step) = doubts.step().filter(|step| *step < FASTEST_S && time.len() >= FEWEST) else { return };
+    let length = last - first;
+    let read = doubts.unit("time");
+    let Some((unit, factor)) = UNITS.into_iter().find(|(unit, _)| Some(*unit) == read) else { return };
+    if length < SHORTEST_S && (FASTEST_S..=SLOWEST_S).contains(&(step / factor)) {
+        let message = format!(
+            "stands {} s from sample to sample, and the whole record lasts {} s: the time is probably in seconds and read as \
+             {unit}. Name the column `time_s`",
+            Short(step),
+            Short(length)
+        );
+        doubts.add(&["time"], Certainty::Certain, message);
+    }
 }

@@ -40,7 +40,7 @@ mod output_error_frequency;
 mod prediction;
 mod problem;
 mod regression;
-pub(crate) mod regressor_noise;
+mod regressor_noise;
 mod relaxation;
 pub(crate) mod response;
 mod result;
@@ -57,6 +57,7 @@ pub(crate) use constants::{
 };
 pub(crate) use equation_error::equations_at;
 pub(crate) use problem::with_outputs;
+pub(crate) use regressor_noise::{noise_of, noisy};
 pub(crate) use row_correlation::RowCorrelation;
 pub(crate) use signal_band::signal_band;
 #[cfg(test)]

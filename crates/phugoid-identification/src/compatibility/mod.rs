@@ -28,6 +28,7 @@ use phugoid_flight_data::record::Record;
 
 use crate::batch::OutputFit;
 use crate::core::error::EstimateError;
+use crate::preparation::checks::doubts_of;
 use choice::Choice;
 pub use choice::{HeldError, unknown_names};
 pub use corrected::estimate_corrected;
@@ -227,6 +228,13 @@ const EARTH_RATE: f64 = 7.3e-5;
 /// can show.
 pub fn compatibility(record: &Record, options: &CompatibilityOptions) -> Result<Compatibility, EstimateError> {
     let records = std::iter::once(record).chain(&options.further);
+    // A sign or a unit is no error of a sensor, and a bias that takes its place would hide it.
+    let is_used = |name: &str| UNKNOWNS.iter().any(|unknown| unknown.channel == name);
+    let mut doubtful = Vec::new();
+    for record in records.clone() {
+        let doubts = doubts_of(record, &is_used)?;
+        doubtful.extend(doubts.iter().map(|doubt| format!("{}: {doubt}", record.source)));
+    }
     let mut flights = records
         .map(|record| Flight::of(record, options.gravity, options.flat_earth))
         .collect::<Result<Vec<Flight>, EstimateError>>()?;
@@ -238,6 +246,7 @@ pub fn compatibility(record: &Record, options: &CompatibilityOptions) -> Result<
         let deleted = record.quality.deletions.iter().flat_map(|deleted| deleted.sentences());
         notes.extend(deleted.map(|words| format!("{}: {words}", record.source)));
     }
+    notes.extend(doubtful);
     let choice = Choice::of(options, &flights)?;
     notes.extend(choice.notes.iter().cloned());
     let (solution, refused) = possible_solution(&flights, columns(&flights, &choice), choice.fixed)?;

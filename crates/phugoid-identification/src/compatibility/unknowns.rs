@@ -70,7 +70,9 @@ const fn spec(
 }
 
 const fn bias(name: &'static str, unit: &'static str, prior_std: f64, channel: &'static str) -> Spec {
-    spec(name, unit, Group::Biases, prior_std, channel, FREE)
+    // Ten times what is expected: half of gravity, 5 deg/s or 20 deg of a vane is a wrong sign, unit or alignment.
+    let most = 10.0 * prior_std;
+    spec(name, unit, Group::Biases, prior_std, channel, [-most, most])
 }
 
 const fn scale(name: &'static str, group: Group, prior_std: f64, channel: &'static str) -> Spec {
@@ -117,7 +119,8 @@ pub(super) const UNKNOWNS: [Spec; super::kinematics::PARAMETERS] = [
     scale("scale_beta", Group::AirDataScales, 0.2, "beta"),
     bias("bias_phi", "rad", DEGREE, "phi"),
     bias("bias_theta", "rad", DEGREE, "theta"),
-    bias("bias_psi", "rad", DEGREE, "psi"),
+    // A heading by the magnetic north is off by the declination.
+    spec("bias_psi", "rad", Group::Biases, DEGREE, "psi", FREE),
     delay("delay_true_airspeed", "true_airspeed"),
     delay("delay_alpha", "alpha"),
     delay("delay_beta", "beta"),

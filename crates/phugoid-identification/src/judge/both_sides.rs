@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::core::options::CAPACITY;
-use crate::judge::equations::{BLOCK_S, ByBlock, Equations};
+use crate::judge::equations::{ByBlock, Equations};
 use crate::judge::normal::Normal;
 use crate::methods::{Run, Task};
 use crate::model_file::Role;
@@ -119,19 +119,19 @@ impl BothSides {
         time_s: f64,
     ) -> Option<Self> {
         let equations = Equations::of(task, run)?;
-        let split = ((time_s - equations.start_s()) / BLOCK_S).round();
+        let split = equations.blocks_before(time_s);
         let is_term = |role: &Role| !matches!(role, Role::Bias(_));
         let places: Vec<usize> =
             task.file.estimated().enumerate().filter(|(_, p)| is_term(&p.role)).map(|(column, _)| column).collect();
         let mut columns: Vec<Option<Side>> = vec![None; run.columns.len()];
         let mut moved = Vec::new();
         for equation in equations.by_block() {
-            if split < 1.0 || split >= equation.sums.len() as f64 {
+            if split < 1 || split >= equation.sums.len() {
                 continue;
             }
             let constant = |j: usize| equations.columns[equation.used[j]].term.is_constant();
-            moved.push(Moved::of(&equation, split as usize, &places, &constant));
-            for (j, side) in sides(&equation, split as usize, &constant).into_iter().enumerate() {
+            moved.push(Moved::of(&equation, split, &places, &constant));
+            for (j, side) in sides(&equation, split, &constant).into_iter().enumerate() {
                 let Some(column) = places.get(equation.used[j]).and_then(|place| columns.get_mut(*place)) else {
                     continue;
                 };

@@ -12,7 +12,7 @@ use nalgebra::DVector;
 use crate::core::estimation::{EstimationStatus, ReasonCode, VerdictReason};
 use crate::core::number::significant;
 use crate::judge::both_sides::{MATERIAL, is_alike, is_material, moves_on_both_sides};
-use crate::judge::equations::{BLOCK_S, ByBlock, Equations};
+use crate::judge::equations::{ByBlock, Equations};
 use crate::judge::normal::Normal;
 
 /// Blocks that are left out together: residuals further apart than that are hardly related.
@@ -48,8 +48,9 @@ struct Change {
 /// The reason that a term changes in flight; none if the flight does not show it.
 pub(super) fn reason(equations: &Equations) -> Option<VerdictReason> {
     let is_constant = |column: usize| equations.columns[column].term.is_constant();
+    let times_s = equations.times_s();
     let mut found: Vec<Change> =
-        equations.by_block().iter().flat_map(|equation| changes(equation, equations.start_s(), &is_constant)).collect();
+        equations.by_block().iter().flat_map(|equation| changes(equation, &times_s, &is_constant)).collect();
     found.sort_by(|a, b| b.strength.total_cmp(&a.strength));
     let first = found.first()?;
     let name = |change: &Change| equations.columns[change.column].name.clone();
@@ -114,7 +115,7 @@ fn limit(degrees: usize) -> f64 {
 /// The terms of one equation that change, each where it shows most. A constant changes where it does by more than a part of the
 /// motion that the largest term makes: a trim that shifts under a control loop moves the surface, and one value for both sides
 /// makes that surface look as if it did nothing.
-fn changes(equation: &ByBlock, start_s: f64, is_constant: &dyn Fn(usize) -> bool) -> Vec<Change> {
+fn changes(equation: &ByBlock, times_s: &[f64], is_constant: &dyn Fn(usize) -> bool) -> Vec<Change> {
     let groups = Normal::groups(equation, TOGETHER);
     let u = equation.used.len();
     // On both sides as in a manoeuvre.
@@ -145,7 +146,7 @@ fn changes(equation: &ByBlock, start_s: f64, is_constant: &dyn Fn(usize) -> bool
             if tells(j, from, to) && strength > 1.0 && strongest.as_ref().is_none_or(|s| strength > s.strength) {
                 *strongest = Some(Change {
                     column: equation.used[j],
-                    time_s: start_s + (split * TOGETHER) as f64 * BLOCK_S,
+                    time_s: times_s[split * TOGETHER],
                     before: from,
                     after: to,
                     strength,
@@ -185,9 +186,14 @@ mod tests {
         ByBlock { used: vec![0], values: vec![at], sums, samples: vec![50.0; 40], moving }
     }
 
+    fn times_s(start_s: f64) -> Vec<f64> {
+        (0..40).map(|block| start_s + f64::from(block)).collect()
+    }
+
     #[test]
     fn a_change_is_found_with_its_time_and_both_values() {
-        let found = changes(&equation(|block| if block < 24 { 1.0 } else { 0.6 }, |_| 1.0), 100.0, &|_| false);
+        let found =
+            changes(&equation(|block| if block < 24 { 1.0 } else { 0.6 }, |_| 1.0), &times_s(100.0), &|_| false);
         let [change] = found.as_slice() else { panic!("{found:?}") };
         assert!((change.time_s - 124.0).abs() <= 2.0, "{change:?}");
         assert!((change.before - 1.0).abs() < 0.02 && (change.after - 0.6).abs() < 0.02, "{change:?}");
@@ -220,23 +226,26 @@ mod tests {
     #[test]
     fn a_constant_changes_where_it_does_by_a_part_of_the_motion() {
         let of_constant = |column: usize| column == 1;
-        let found = changes(&shifted(0.5), 0.0, &of_constant);
+        let found = changes(&shifted(0.5), &times_s(0.0), &of_constant);
         let constant = found.iter().find(|change| change.column == 1).unwrap_or_else(|| panic!("{found:?}"));
         assert!((constant.time_s - 24.0).abs() <= 2.0, "{constant:?}");
         assert!(constant.before.abs() < 0.05 && (constant.after + 0.5).abs() < 0.05, "{constant:?}");
         assert_eq!(found.len(), 1, "{found:?}");
         // The motion is 0.7 in root mean square.
-        assert_eq!(changes(&shifted(0.05), 0.0, &of_constant), []);
+        assert_eq!(changes(&shifted(0.05), &times_s(0.0), &of_constant), []);
     }
 
     #[test]
     fn what_is_constant_and_what_hardly_moves_does_not_change() {
-        assert_eq!(changes(&equation(|_| 1.0, |_| 1.0), 0.0, &|_| false), []);
+        assert_eq!(changes(&equation(|_| 1.0, |_| 1.0), &times_s(0.0), &|_| false), []);
         // Less than what missing terms do.
-        assert_eq!(changes(&equation(|block| if block < 24 { 1.0 } else { 0.85 }, |_| 1.0), 0.0, &|_| false), []);
+        assert_eq!(
+            changes(&equation(|block| if block < 24 { 1.0 } else { 0.85 }, |_| 1.0), &times_s(0.0), &|_| false),
+            []
+        );
         // After half of the flight only noise moves the regressor.
         let quiet = equation(|block| if block < 20 { 1.0 } else { 0.2 }, |block| if block < 20 { 1.0 } else { 0.02 });
-        assert_eq!(changes(&quiet, 0.0, &|_| false), []);
+        assert_eq!(changes(&quiet, &times_s(0.0), &|_| false), []);
     }
 
     #[test]

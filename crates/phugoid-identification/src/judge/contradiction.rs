@@ -250,28 +250,31 @@ fn unexplained<'a>(lost: impl Iterator<Item = &'a Explained>) -> Option<VerdictR
 /// Channels of which most samples were rejected for seconds on end, but for the stretches in which a change was found.
 fn rejected(time_s: &[f64], residuals: &[Signal], unsettled: &Unsettled) -> Option<VerdictReason> {
     let start = *time_s.first()?;
-    let blocks = (time_s.last()? - start).floor() as usize + 1;
     let mut named = Vec::new();
     let mut concerns = Vec::new();
     for signal in residuals {
-        let mut counts = vec![[0_usize; 2]; blocks];
+        // Seconds with a value alone: those without one neither begin nor end a stretch, and a gap takes no room.
+        let mut counts: Vec<(f64, [usize; 2])> = Vec::new();
         let judged = |(t, v): &(&f64, &f64)| v.is_finite() && !unsettled.contains(**t);
         for (t, value) in time_s.iter().zip(&signal.values).filter(judged) {
-            if let Some([present, beyond]) = counts.get_mut((t - start) as usize) {
+            let second = (t - start).floor();
+            if counts.last().is_none_or(|(last, _)| *last != second) {
+                counts.push((second, [0; 2]));
+            }
+            if let Some((_, [present, beyond])) = counts.last_mut() {
                 *present += 1;
                 *beyond += usize::from(value.abs() > 6.0);
             }
         }
-        // Blocks without a value neither begin nor end a stretch.
-        let (mut length, mut longest, mut end) = (0, 0, 0);
-        for (block, [present, beyond]) in counts.iter().enumerate().filter(|(_, [present, _])| *present > 0) {
+        let (mut length, mut longest, mut end) = (0, 0, 0.0);
+        for (second, [present, beyond]) in &counts {
             length = if 2 * beyond > *present { length + 1 } else { 0 };
             if length > longest {
-                (longest, end) = (length, block + 1);
+                (longest, end) = (length, second + 1.0);
             }
         }
         if longest >= REJECTED_S {
-            let to = start + end as f64;
+            let to = start + end;
             named.push(format!("{} from {:.0} s to {to:.0} s", signal.name, to - longest as f64));
             concerns.push(signal.name.clone());
         }

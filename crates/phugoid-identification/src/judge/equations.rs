@@ -13,9 +13,9 @@ use phugoid_estimators::discretization::InputHold;
 
 use phugoid_flight_data::statistics::{median, median_step};
 
-use crate::batch::regressor_noise::{noise_of, noisy};
 use crate::batch::{
     BatchParameter, EquationErrorSettings, InitialState, Manoeuvre, Noise, OutputChannel, Structure, equations_at,
+    noise_of, noisy,
 };
 use crate::core::options::{CAPACITY, Likelihood};
 use crate::core::output::Output;
@@ -26,9 +26,9 @@ use crate::model_file::Role;
 use crate::motion::{MotionModel, terms};
 
 /// Length of a block, s.
-pub(crate) const BLOCK_S: f64 = 1.0;
+const BLOCK_S: f64 = 1.0;
 /// Blocks that are worked out at a time: bounds the memory that a long record takes.
-const CHUNK: usize = 20;
+const CHUNK: u64 = 20;
 /// A regressor moves in a block where its mean square is at least this part of that in the block where it moves most.
 /// The limit does not depend on how long the record is.
 const MOVES: f64 = 0.1;
@@ -49,7 +49,8 @@ pub(crate) struct Column {
 pub(crate) struct Equations {
     pub(crate) columns: Vec<Column>,
     start_s: f64,
-    blocks: usize,
+    /// The blocks with samples: how many blocks after the first one each is. A gap takes no room, however long it is.
+    blocks: Vec<u64>,
     /// Part of the rows of which the errors are independent where those of the samples are: one per half a window, see [`by_chance()`].
     independent: f64,
     equations: Vec<Equation>,
@@ -152,7 +153,7 @@ impl Equations {
     }
 
     /// The same with the noise of the measured states put on them once more, several times with white signs: on average regressors
-    /// and residuals have by as much more noise in them as they have of the sensors (as in [`crate::batch::regressor_noise`]).
+    /// and residuals have by as much more noise in them as they have of the sensors (as in [`noisy`]).
     pub(crate) fn noisier<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
         task: &Task<M, N, R>,
         run: &Run<R>,
@@ -195,12 +196,14 @@ impl Equations {
         let half_window_s = settings.half_window_s;
         let outputs = with_predicted::<N, R>(outputs, |row| file.outputs[names[row].index()], &run.predicted);
         let time = &prepared.time;
-        let (start_s, end_s) = (*time.first()?, *time.last()?);
-        let blocks = ((end_s - start_s) / BLOCK_S).floor() as usize + 1;
+        let start_s = *time.first()?;
+        let mut blocks: Vec<u64> = time.iter().map(|t| ((t - start_s) / BLOCK_S).floor() as u64).collect();
+        blocks.dedup();
+        let chunks: Vec<u64> = blocks.chunk_by(|a, b| a / CHUNK == b / CHUNK).map(|chunk| chunk[0] / CHUNK).collect();
         let independent = step_s / half_window_s;
         let mut found = Self { columns, start_s, blocks, independent, equations: Vec::new() };
-        for first in (0..blocks).step_by(CHUNK) {
-            let [from_s, to_s] = [first, first + CHUNK].map(|block| start_s + block as f64 * BLOCK_S);
+        for chunk in chunks {
+            let [from_s, to_s] = [0, 1].map(|next| start_s + (chunk as f64 + f64::from(next)) * CHUNK as f64 * BLOCK_S);
             let margin = 2.0 * half_window_s;
             let [from, to] = [from_s - margin, to_s + margin].map(|t| time.partition_point(|s| *s < t));
             if to - from < 4 {
@@ -237,9 +240,15 @@ impl Equations {
         (!found.equations.is_empty()).then_some(found)
     }
 
-    /// The time of the first block, s.
-    pub(crate) fn start_s(&self) -> f64 {
-        self.start_s
+    /// The time at which each block begins, s.
+    pub(crate) fn times_s(&self) -> Vec<f64> {
+        self.blocks.iter().map(|block| self.start_s + *block as f64 * BLOCK_S).collect()
+    }
+
+    /// The number of blocks before a time (s), which is taken to the nearest beginning of a block.
+    pub(crate) fn blocks_before(&self, time_s: f64) -> usize {
+        let at = (time_s - self.start_s) / BLOCK_S;
+        self.blocks.partition_point(|block| *block as f64 + 0.5 <= at)
     }
 
     /// The equations by block.
@@ -248,10 +257,10 @@ impl Equations {
         self.equations.iter().map(|equation| equation.by_block().without_repeated(&is_same_term)).collect()
     }
 
-    /// The block that a time lies in; none before the record.
+    /// The block that a time lies in; none outside the record and in a gap.
     pub(crate) fn block(&self, time_s: f64) -> Option<usize> {
         let block = ((time_s - self.start_s) / BLOCK_S).floor();
-        (block >= 0.0 && block < self.blocks as f64).then_some(block as usize)
+        if block >= 0.0 { self.blocks.binary_search(&(block as u64)).ok() } else { None }
     }
 
     /// A row of an equation, its regressors and its residual, and the one half a window before it.
@@ -268,7 +277,8 @@ impl Equations {
                 offset.push(residual);
                 let size = used.len() + 2;
                 let own = used.iter().map(|&j| values[j]).collect();
-                let [sums, of_sums, of_differences] = [0, 1, 2].map(|_| vec![DMatrix::zeros(size, size); self.blocks]);
+                let [sums, of_sums, of_differences] =
+                    [0, 1, 2].map(|_| vec![DMatrix::zeros(size, size); self.blocks.len()]);
                 let pairs = [of_sums, of_differences];
                 self.equations.push(Equation { output, used, values: own, offset, sums, pairs });
                 self.equations.len() - 1
@@ -288,13 +298,14 @@ impl Equations {
     /// The blocks in which the regressor of a column moves, and those right after them, in which the aircraft answers.
     /// None for a column that no equation contains, or whose regressor never moves.
     pub(crate) fn exciting(&self, column: usize) -> Option<Vec<bool>> {
-        let mut excited = vec![false; self.blocks];
+        let mut excited = vec![false; self.blocks.len()];
         for equation in &self.equations {
             let Some(i) = equation.used.iter().position(|&j| j == column) else { continue };
             for block in equation.moving(i) {
                 excited[block] = true;
-                if let Some(next) = excited.get_mut(block + 1) {
-                    *next = true;
+                // Behind a gap the answer is over.
+                if self.blocks.get(block + 1).is_some_and(|next| next - self.blocks[block] == 1) {
+                    excited[block + 1] = true;
                 }
             }
         }
@@ -331,12 +342,15 @@ impl Equations {
 
     /// The blocks from a time (s) on in which a regressor of an equation moves.
     fn judged(&self, equation: &Equation, from_s: f64) -> Vec<usize> {
-        let first = self.block(from_s).map_or(0, |block| block + usize::from(from_s > self.start_s));
-        let mut moves = vec![false; self.blocks];
+        let begun = ((from_s - self.start_s) / BLOCK_S).floor() + f64::from(u8::from(from_s > self.start_s));
+        let first = self.blocks.partition_point(|block| (*block as f64) < begun);
+        // Beyond the record nothing would be judged.
+        let first = if first < self.blocks.len() { first } else { 0 };
+        let mut moves = vec![false; self.blocks.len()];
         for i in 0..equation.used.len() {
             equation.moving(i).into_iter().for_each(|block| moves[block] = true);
         }
-        (first..self.blocks).filter(|&block| moves[block]).collect()
+        (first..moves.len()).filter(|&block| moves[block]).collect()
     }
 }
 
@@ -560,7 +574,7 @@ mod tests {
         let mut equations = Equations {
             columns: Vec::new(),
             start_s: 0.0,
-            blocks: seconds,
+            blocks: (0..seconds as u64).collect(),
             independent: 1.0 / HALF as f64,
             equations: Vec::new(),
         };
@@ -609,8 +623,13 @@ mod tests {
             ([measured, z], x - 0.5 * z - values[0] * measured - values[1] * z)
         };
         let rows: Vec<([f64; 2], f64)> = (0..30 * BLOCK).map(row).collect();
-        let mut equations =
-            Equations { columns: Vec::new(), start_s: 0.0, blocks: 30, independent: 1.0, equations: Vec::new() };
+        let mut equations = Equations {
+            columns: Vec::new(),
+            start_s: 0.0,
+            blocks: (0..30).collect(),
+            independent: 1.0,
+            equations: Vec::new(),
+        };
         for (k, (regressors, residual)) in rows.iter().enumerate() {
             let before = k.checked_sub(HALF).map(|k| (&rows[k].0[..], rows[k].1));
             equations.add(Output::Az, k / BLOCK, (&regressors[..], *residual), before, &values);

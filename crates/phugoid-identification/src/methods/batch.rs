@@ -448,7 +448,9 @@ fn column<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
         crate::model_file::Base::None if !parameter.is_nuisance() => parameter.prior_std.min(value.abs()),
         _ => parameter.prior_std,
     };
-    let status = if at_limit {
+    // Equations are solved without limits: a value beyond them is told as one that lies at them.
+    let is_beyond = parameter.bounds.is_some_and(|[low, high]| value < low || value > high);
+    let status = if at_limit || is_beyond {
         ParameterStatus::AtLimit
     } else if observability < EXCITED {
         ParameterStatus::NotExcited

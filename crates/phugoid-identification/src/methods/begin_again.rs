@@ -9,6 +9,8 @@
 //! The same record is then used twice. Each prior is ten standard errors of equation error wide, or that of the model file where that is
 //! narrower: of what the filter knows in the end a hundredth at most is from the start where it knows as much as equation error.
 
+use std::ops::Range;
+
 use super::batch::equations_of;
 use super::task::{BegunAgain, ColumnRun, Run, Task};
 use super::{EveryRoom, run_alone};
@@ -27,6 +29,14 @@ pub(crate) struct Begun<const R: usize> {
     pub(crate) run: Run<R>,
     /// The model file with these starts, where they are others than those of the task.
     pub(crate) file: Option<ModelFile>,
+    /// What equation error has said of the record on the way.
+    pub(crate) equations: Option<PartByEquations>,
+}
+
+/// The parameters by equation error from a part of a record.
+pub(crate) struct PartByEquations {
+    pub(crate) samples: Range<usize>,
+    pub(crate) values: Vec<OtherValue>,
 }
 
 /// Whether a run of this task may begin again: of a filter that learns its noise, over a whole record, of a model in absolute form. That of
@@ -42,32 +52,30 @@ pub(crate) fn begin_again<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     task: &Task<M, N, R>,
     first: Run<R>,
 ) -> Begun<R> {
-    match second(task, &first) {
-        Some((run, file)) => Begun { run, file: Some(file) },
-        None => Begun { run: first, file: None },
+    let none = |equations: Option<PartByEquations>, run: Run<R>| Begun { run, file: None, equations };
+    if !may_begin_again(task) || !first.excited {
+        return none(None, first);
+    }
+    let Some(equations) = before_the_first_change(task, &first) else { return none(None, first) };
+    let file = started(task.file, &equations.values);
+    match second(&task.with_file(&file), &first) {
+        Some(run) => Begun { run, file: Some(file), equations: Some(equations) },
+        None => none(Some(equations), first),
     }
 }
 
-/// The run from the values of equation error with these starts; `None` where there is none or it is no better.
-fn second<M: EveryRoom<N, R>, const N: usize, const R: usize>(
-    task: &Task<M, N, R>,
-    first: &Run<R>,
-) -> Option<(Run<R>, ModelFile)> {
-    if !may_begin_again(task) || !first.excited {
-        return None;
-    }
-    let file = started(task, first)?;
-    let own = task.with_file(&file);
-    let mut run = run_alone(&own, &mut |_| {}).ok()?;
+/// The run of a task that starts at the values of equation error; `None` where it is no better than this one.
+fn second<M: EveryRoom<N, R>, const N: usize, const R: usize>(task: &Task<M, N, R>, first: &Run<R>) -> Option<Run<R>> {
+    let mut run = run_alone(task, &mut |_| {}).ok()?;
     if standing(&run) > standing(first) {
         // A change that is none predicts better as well, and is a matter for looking back.
         let options = EstimateOptions { change_detection: Some(false), ..task.options.clone() };
-        run = run_alone(&Task { options: &options, ..own }, &mut |_| {}).ok()?;
+        run = run_alone(&Task { options: &options, ..*task }, &mut |_| {}).ok()?;
     }
     let gain = run.evidence() - first.evidence();
     run.begun_again = Some(BegunAgain { gain, most: most(first, &run) });
     // What is no number does not stand.
-    (gain >= EVIDENCE).then_some((run, file))
+    (gain >= EVIDENCE).then_some(run)
 }
 
 /// Number of changes that stand.
@@ -75,23 +83,28 @@ fn standing<const R: usize>(run: &Run<R>) -> usize {
     run.changes.iter().filter(|change| change.outcome.stands()).count()
 }
 
-/// The model file with the values of equation error as starts, from the time before the first change; `None` where there are none.
-fn started<M: EveryRoom<N, R>, const N: usize, const R: usize>(
+/// What equation error says of the time before the first change; `None` where it gives no answer.
+fn before_the_first_change<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     task: &Task<M, N, R>,
     first: &Run<R>,
-) -> Option<ModelFile> {
+) -> Option<PartByEquations> {
     let found = first.changes.iter().filter(|change| change.outcome.stands()).map(|change| change.time_s);
     let known = task.options.known_changes.iter().map(|change| change.time_s);
     let until_s = found.chain(known).fold(f64::INFINITY, f64::min);
-    let end = task.prepared.time.partition_point(|t| *t < until_s);
-    let values = equations_of(task, 0..end).ok()?;
-    let mut file = task.file.clone();
-    for OtherValue { name, value, std_error } in &values {
+    let samples = 0..task.prepared.time.partition_point(|t| *t < until_s);
+    let values = equations_of(task, samples.clone()).ok()?;
+    Some(PartByEquations { samples, values })
+}
+
+/// The model file with the values of equation error as starts.
+fn started(file: &ModelFile, values: &[OtherValue]) -> ModelFile {
+    let mut file = file.clone();
+    for OtherValue { name, value, std_error } in values {
         let Some(parameter) = file.parameters.iter_mut().find(|parameter| parameter.name == *name) else { continue };
         parameter.start = parameter.bounds.map_or(*value, |[low, high]| value.clamp(low, high));
         parameter.prior_std = parameter.prior_std.min(WIDTH * std_error);
     }
-    Some(file)
+    file
 }
 
 /// The column that is the most another one in the second run, in random standard errors of both, and its value in the first.

@@ -7,7 +7,7 @@
 //! two in different ways, and neither shows it in its own bounds.
 
 use super::batch::equations_of;
-use super::begin_again::begin_again;
+use super::begin_again::{PartByEquations, begin_again};
 use super::causal::run_causal;
 use super::room::{EveryRoom, causal_run};
 use super::task::{ColumnRun, ModelError, Run, Task};
@@ -60,19 +60,21 @@ pub(super) fn by_filter<M: EveryRoom<N, R>, const N: usize, const R: usize>(
 }
 
 /// What stands beside the values of a causal method: equation error beside a filter, a filter beside a regression. `None` where
-/// only what a live session would have had is asked for, where nothing moved, and beside a law without bounds.
+/// only what a live session would have had is asked for, where nothing moved, and beside a law without bounds. `known` is what equation
+/// error has said of a part of the record already.
 ///
 /// # Errors
 /// Why the other method gives no answer.
 pub(crate) fn beside_causal<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     task: &Task<M, N, R>,
     run: &Run<R>,
+    known: Option<PartByEquations>,
 ) -> Option<Result<SecondAnswer, EstimateError>> {
     if task.options.causal_only || !run.excited {
         return None;
     }
     match task.method() {
-        method if method.learns_noise() => Some(by_equations(task, run)),
+        method if method.learns_noise() => Some(by_equations(task, run, known)),
         method if method.is_recursive_regression() => Some(by_filter(task)),
         _ => None,
     }
@@ -88,6 +90,7 @@ pub(crate) fn beside_causal<M: EveryRoom<N, R>, const N: usize, const R: usize>(
 fn by_equations<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     task: &Task<M, N, R>,
     run: &Run<R>,
+    known: Option<PartByEquations>,
 ) -> Result<SecondAnswer, EstimateError> {
     let prepared = task.prepared;
     let standing = || run.changes.iter().filter(|change| change.outcome.stands());
@@ -100,9 +103,13 @@ fn by_equations<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     let mut first = sample(since_s);
     let mut before: Vec<Vec<OtherValue>> = Vec::with_capacity(ends.len());
     let mut last = Ok(Vec::new());
+    let mut known = known;
     for end in ends {
         before.extend(last.ok());
-        last = equations_of(task, first..end);
+        last = match known.take_if(|known| known.samples == (first..end)) {
+            Some(known) => Ok(known.values),
+            None => equations_of(task, first..end),
+        };
         first = end;
     }
     let last = last?;

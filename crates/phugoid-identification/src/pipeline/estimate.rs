@@ -254,7 +254,7 @@ fn once<'a, M: EveryRoom<N, R> + 'a, const N: usize, const R: usize>(
     let from = task.with_file(begun.file.as_ref().unwrap_or(task.file));
     let mut run = look_back(&from, begun.run, &mut |done| progress(first + (1.0 - first) * done))?;
     if !task.method().is_batch() {
-        match beside_causal(&task, &run) {
+        match beside_causal(&task, &run, begun.equations) {
             Some(Ok(answer)) => run.second_answer = Some(answer),
             Some(Err(error)) => run.no_second_answer = Some(error.to_string()),
             None => {}

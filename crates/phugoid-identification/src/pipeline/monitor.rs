@@ -1,6 +1,7 @@
 //! From a flight record, a model file and what is expected to the health of the aircraft.
 
 use phugoid_estimators::health::Assumptions;
+use phugoid_flight_data::plausibility::{Cause, Doubt};
 use phugoid_flight_data::record::Record;
 
 use super::estimate::pipeline;
@@ -10,6 +11,7 @@ use crate::core::health::{Condition, FailureReport, HealthOptions, HealthReport,
 use crate::core::options::EstimateOptions;
 use crate::methods::HealthRun;
 use crate::model_file::ModelFile;
+use crate::preparation::checks::doubts;
 
 /// Estimates the parameters of `model` from `record` as [`crate::pipeline::estimate::estimate`] does, and watches
 /// beside it whether they are what is expected: sample by sample, no verdict uses a later sample. `progress` is called
@@ -44,13 +46,27 @@ pub fn monitor(
 ) -> Result<(Estimation, HealthReport), EstimateError> {
     let (estimation, run) = pipeline(record, model, options, Some(health), progress)?;
     let run = run.ok_or_else(|| EstimateError::Model("the estimator was run without its monitor".to_owned()))?;
-    let report = report(&estimation, health, run);
+    let doubts = doubts(record, model)?;
+    let failed = run.failure.as_ref().map(|(flagged_at_s, _)| *flagged_at_s);
+    let by_then =
+        |doubt: &&Doubt| doubt.since_s.is_none_or(|since_s| failed.is_none_or(|flagged_s| since_s <= flagged_s));
+    let sensor = doubts.iter().filter(|doubt| doubt.cause == Cause::Sensor).find(by_then);
+    let report = report(&estimation, health, run, sensor);
     Ok((estimation, report))
 }
 
-fn report(estimation: &Estimation, options: &HealthOptions, run: HealthRun) -> HealthReport {
-    let HealthRun { history, threshold, parameters, failure, assumptions, learns } = run;
-    let promise = promise(assumptions.as_ref(), learns);
+/// `sensor` is what is doubtful of the recording by the time of a flag: a sensor that fails looks to the monitor like a failure of the aircraft, so
+/// that no failure is told then.
+fn report(estimation: &Estimation, options: &HealthOptions, run: HealthRun, sensor: Option<&Doubt>) -> HealthReport {
+    let HealthRun { mut history, threshold, parameters, failure, assumptions, learns } = run;
+    let mut promise = promise(assumptions.as_ref(), learns);
+    let flagged_at_s = failure.as_ref().map(|(flagged_at_s, _)| *flagged_at_s);
+    let failure = failure.filter(|_| sensor.is_none());
+    if sensor.is_some() {
+        promise.holds = false;
+        promise.reason = Some("a sensor or its recording is in doubt".to_owned());
+        history.condition.iter_mut().filter(|c| **c == Condition::Diverged).for_each(|c| *c = Condition::Unknown);
+    }
     let finite = |value: f64| value.is_finite().then_some(value);
     let failed = failure.is_some();
     let parameters: Vec<ParameterHealth> = parameters
@@ -66,7 +82,7 @@ fn report(estimation: &Estimation, options: &HealthOptions, run: HealthRun) -> H
                 corrected_std_error: estimate.map_or(f64::NAN, |p| p.corrected_std_error),
                 deviation: history.deviation[index].last().copied().unwrap_or(f64::NAN),
                 known,
-                diverged_at_s: finite(found.named_s),
+                diverged_at_s: finite(found.named_s).filter(|_| sensor.is_none()),
                 change: finite(found.change).filter(|_| failed),
                 change_std: finite(found.change_std).filter(|_| failed),
             }
@@ -85,7 +101,13 @@ fn report(estimation: &Estimation, options: &HealthOptions, run: HealthRun) -> H
     });
     let condition = history.condition.last().copied().unwrap_or_default();
     let evidence = history.evidence.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let sentences = sentences(condition, &parameters, failure.as_ref(), evidence, &promise, options);
+    let mut sentences = sentences(condition, &parameters, failure.as_ref(), evidence, &promise, options);
+    if let Some(doubt) = sensor {
+        let flag = flagged_at_s
+            .map_or_else(String::new, |at| format!(" The monitor raised a flag at {at:.2} s, which may come of it."));
+        let no_verdict = format!("No verdict on the aircraft, because the recording is in doubt: {doubt}.{flag}");
+        sentences.insert(0, no_verdict);
+    }
     HealthReport {
         source: estimation.source.clone(),
         model: estimation.model.clone(),

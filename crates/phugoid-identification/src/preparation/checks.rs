@@ -15,8 +15,16 @@ use crate::motion::Motion;
 /// [`EstimateError::Units`] if one of them is certainly wrong.
 pub(crate) fn doubts(record: &Record, model: &ModelFile) -> Result<Vec<Doubt>, EstimateError> {
     let used = model.channels_used();
-    // Every model uses the time.
-    let is_used = |name: &String| name == "time" || used.contains(&name.as_str());
+    doubts_of(record, &|name| used.contains(&name))
+}
+
+/// What is doubtful about the units of the channels that are used.
+///
+/// # Errors
+/// [`EstimateError::Units`] if one of them is certainly wrong.
+pub(crate) fn doubts_of(record: &Record, is_used: &dyn Fn(&str) -> bool) -> Result<Vec<Doubt>, EstimateError> {
+    // The time is used always.
+    let is_used = |name: &String| name == "time" || is_used(name);
     let concerned = plausibility::check(record).into_iter().filter(|doubt| doubt.channels.iter().any(is_used));
     // Where two contradict one another and one of them is not used, the other may well be right.
     let (refused, doubts): (Vec<Doubt>, Vec<Doubt>) =

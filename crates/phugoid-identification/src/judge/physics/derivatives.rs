@@ -23,6 +23,7 @@ struct Piece {
     name: String,
     value: f64,
     std_error: f64,
+    random_std: f64,
     /// Row and column in the correlation matrix.
     place: usize,
     bounds: Option<[f64; 2]>,
@@ -38,6 +39,8 @@ pub(super) struct Derivative {
     pub(super) names: Vec<String>,
     pub(super) value: f64,
     pub(super) std_error: f64,
+    /// The part of it that the model file does not declare.
+    pub(super) random_std: f64,
     /// Bounds that the model file gives the linear term.
     pub(super) bounds: Option<[f64; 2]>,
 }
@@ -70,6 +73,7 @@ impl Derivatives {
                 name: result.name.clone(),
                 value: result.value,
                 std_error: result.corrected_std_error,
+                random_std: result.random_std(),
                 place,
                 bounds: parameter.bounds,
             })
@@ -114,17 +118,18 @@ fn derivative(
         pieces.iter().map(|p| (*p, slope(&p.term))).filter(|(_, s)| *s != 0.0).collect();
     parts.sort_by_key(|(p, _)| !linear(&p.term));
     let r = |a: usize, b: usize| correlation.get(a).and_then(|row| row.get(b)).copied().unwrap_or(f64::from(a == b));
-    let variance: f64 = parts
-        .iter()
-        .flat_map(|a| parts.iter().map(move |b| (a, b)))
-        .map(|((a, sa), (b, sb))| sa * sb * r(a.place, b.place) * a.std_error * b.std_error)
-        .sum();
+    let std = |of: &dyn Fn(&Piece) -> f64| {
+        let pairs = parts.iter().flat_map(|a| parts.iter().map(move |b| (a, b)));
+        let variance: f64 = pairs.map(|((a, sa), (b, sb))| sa * sb * r(a.place, b.place) * of(a) * of(b)).sum();
+        variance.max(0.0).sqrt()
+    };
     Some(Derivative {
         coefficient,
         variable,
         names: parts.iter().map(|(p, _)| p.name.clone()).collect(),
         value: parts.iter().map(|(p, s)| s * p.value).sum(),
-        std_error: variance.max(0.0).sqrt(),
+        std_error: std(&|piece| piece.std_error),
+        random_std: std(&|piece| piece.random_std),
         bounds: first.bounds,
     })
 }
@@ -145,6 +150,12 @@ impl Derivative {
 
     pub(super) fn concerns<'a>(&'a self, more: &[&'a str]) -> Vec<&'a str> {
         self.names.iter().map(String::as_str).chain(more.iter().copied()).collect()
+    }
+
+    /// Whether its size is above a limit by its random error alone. What the model file declares of a surface or of an inertia is a part of the
+    /// derivative, and of one that is 60 times too large by a wrong unit it is 60 times too large as well.
+    fn surely_larger(&self, limit: f64) -> bool {
+        self.value.abs() - SIGNIFICANT * self.random_std > limit
     }
 
     pub(super) fn surely_above(&self, limit: f64) -> bool {
@@ -500,7 +511,7 @@ const SIZES: [(Coefficient, Variable, f64, f64); 14] = [
 pub(super) fn sizes(derivatives: &Derivatives) -> Vec<VerdictReason> {
     let wrong = |&(coefficient, variable, smallest, largest): &(Coefficient, Variable, f64, f64)| {
         let found = derivatives.find(coefficient, variable)?;
-        let large = found.surely_above(largest) || found.surely_below(-largest);
+        let large = found.surely_larger(largest);
         let small = found.surely_below(smallest) && found.surely_above(-smallest);
         if !large && !small {
             return None;
@@ -552,7 +563,16 @@ mod tests {
 
     fn one(coefficient: Coefficient, variable: Variable, value: f64, std_error: f64) -> Derivative {
         let name = format!("{}_{}", coefficient.symbol(), variable.short_name());
-        Derivative { coefficient, variable: Some(variable), names: vec![name], value, std_error, bounds: None }
+        let random_std = std_error;
+        Derivative {
+            coefficient,
+            variable: Some(variable),
+            names: vec![name],
+            value,
+            std_error,
+            random_std,
+            bounds: None,
+        }
     }
 
     /// Signs and sizes of JSBSim's c182, with the signs of the surfaces of docs/units-and-signs.md.
@@ -750,6 +770,7 @@ mod tests {
             name: format!("CD_{text}"),
             value,
             std_error,
+            random_std: std_error,
             place,
             bounds: None,
         };

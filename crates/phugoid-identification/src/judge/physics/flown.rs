@@ -119,6 +119,9 @@ pub(super) fn lift(flown: &Flown) -> Option<VerdictReason> {
 const ZERO_LIFT_DRAG: [f64; 2] = [0.008, 0.004];
 /// Largest drag coefficient in flight without lift, everything extended.
 const LARGEST_DRAG: f64 = 0.25;
+/// Lift over drag of which no aeroplane that flies level has less, with everything extended: half of what a lifting body has (R. D. Reed, *Wingless
+/// Flight*, NASA SP-4220, 1997: 3 to 4); and the lift coefficient from which on it is asked, for a fast one flies at little lift.
+const LEAST_GLIDE: (f64, f64) = (2.0, 0.4);
 /// Oswald's efficiency of a wing in a bad state.
 const EFFICIENCY: f64 = 0.4;
 
@@ -135,6 +138,7 @@ pub(super) fn drag(flown: &Flown, body: &Body) -> Option<VerdictReason> {
     let smooth = if flown.powered { ZERO_LIFT_DRAG[0] } else { ZERO_LIFT_DRAG[1] };
     let least = smooth + induced(1.0).unwrap_or(0.0);
     let most = LARGEST_DRAG + induced(EFFICIENCY).unwrap_or(lift * lift);
+    let most = if lift > LEAST_GLIDE.1 { most.min(lift / LEAST_GLIDE.0) } else { most };
     if (least..=most).contains(&drag) {
         return None;
     }
@@ -192,6 +196,10 @@ mod tests {
         assert_eq!(drag(&flown(0.311, 0.0383 / 4.448, true), &WING).unwrap().status, EstimationStatus::Doubtful);
         assert_eq!(drag(&flown(0.311, 0.0383 * 10.0, true), &WING).unwrap().status, EstimationStatus::Doubtful);
         assert_eq!(drag(&flown(0.311, -0.05, true), &WING).unwrap().status, EstimationStatus::Refused);
+        // A business jet at the thrust of its take-off in pounds, read as 4.4 times as many newtons, and no span to tell the induced drag by.
+        let no_span = Body { wing_span: None, ..WING };
+        assert_eq!(drag(&flown(0.52, 0.37, true), &no_span).unwrap().status, EstimationStatus::Doubtful);
+        assert_eq!(drag(&flown(0.52, 0.08, true), &no_span), None);
         // A sailplane has less than a powered aeroplane.
         let glider = Body { wing_span: Some(18.0), wing_area: 10.5, ..WING };
         assert_eq!(drag(&flown(0.5, 0.009, false), &glider), None);

@@ -87,6 +87,7 @@ mod tests {
             names: vec!["the_rate".to_owned()],
             value,
             std_error,
+            random_std: std_error,
             bounds: None,
         };
         let body = Body { mean_chord: 2.5, wing_span: Some(29.0), ..Body::default() };

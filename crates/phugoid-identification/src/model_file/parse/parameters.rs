@@ -11,6 +11,8 @@ use crate::model_file::error::ModelFileError;
 use crate::model_file::parameter::{Parameter, Role};
 use crate::model_file::section::Section;
 
+/// No coefficient and no derivative is larger, in any power of an angle in radians.
+const LARGEST_START: f64 = 1e9;
 const PARAMETER_KEYS: [&str; 5] = ["start", "prior_std", "bounds", "change_std", "fixed"];
 
 /// Half widths of the ranges of the increments of the F-16 study, per radian (docs/theory.md), used as bounds where the
@@ -162,6 +164,10 @@ fn parameter(
         }
         _ => 0.0,
     };
+    if start.abs() > LARGEST_START {
+        return Err(place
+            .error("start", format!("start {start:e} of `{name}` is larger than any coefficient or derivative is")));
+    }
     let prior_std = match prior_std {
         Some(std) => std,
         None if fixed => 0.0,
