@@ -17,6 +17,12 @@ pub(crate) struct Table {
 /// clock.
 const RESTART_ROWS: usize = 10;
 
+/// Rows at an end of the record are left out as wrong times where the gap before the rest is longer than this many times the rest.
+/// A pause between two flights of one file may be long too, so that only fewer rows than a running clock needs
+/// ([`RESTART_ROWS`]) are left out, and only where the rest has ten times as many.
+const ABSURD_GAP: f64 = 100.0;
+const REST_PER_ROW: usize = 10;
+
 /// Number of restarts that are reported one by one.
 const MAX_RESTARTS: usize = 20;
 
@@ -24,7 +30,7 @@ const MAX_RESTARTS: usize = 20;
 const OTHER_TIME: &str = "If another column is the time, map the channel 'time' to it";
 
 /// Makes the times strictly increasing: takes the longest part between restarts of the clock, merges rows of equal
-/// time, and leaves out the fewest rows that are not in order.
+/// time, and leaves out the fewest rows that are not in order, and the rows at either end whose times are far from all others.
 pub(crate) fn put_in_order(
     table: &mut Table,
     source: &str,
@@ -64,6 +70,7 @@ pub(crate) fn put_in_order(
             ),
         );
     }
+    let rising = without_absurd_ends(table, rising, report);
     if rising.len() < table.time.len() {
         let pick = |values: &Vec<f64>| rising.iter().filter_map(|&row| values.get(row).copied()).collect();
         table.time = pick(&table.time);
@@ -73,6 +80,51 @@ pub(crate) fn put_in_order(
         table.lines = rising.iter().filter_map(|&row| table.lines.get(row).copied()).collect();
     }
     Ok(())
+}
+
+/// Leaves out the few rows at the ends whose times are absurdly far from those of all others: an epoch time in a record that
+/// counts from zero, or a zero in one of epoch times. Between other rows such times are out of order; at the ends they are not.
+fn without_absurd_ends(table: &Table, mut rows: Vec<usize>, report: &mut QualityReport) -> Vec<usize> {
+    let at = |position: usize| rows.get(position).and_then(|&row| table.time.get(row)).copied();
+    // How far the row at `position` is from the one before it.
+    let gap = |position: usize| Some(at(position)? - at(position.checked_sub(1)?)?);
+    // Both ends are judged together: wrong times at one end make the rest long for the other.
+    let mut ends = (0, rows.len());
+    for first in 0..RESTART_ROWS {
+        for last in 0..RESTART_ROWS {
+            let Some(end) = rows.len().checked_sub(last).filter(|end| *end > first) else { continue };
+            let (out, rest) = (first + last, end - first);
+            let (Some(from), Some(to)) = (at(first), at(end - 1)) else { continue };
+            let is_absurd = |gap: Option<f64>| gap.is_none_or(|gap| gap > ABSURD_GAP * (to - from));
+            let more = rest < ends.1 - ends.0 && rest >= REST_PER_ROW * out;
+            if more && (first == 0 || is_absurd(gap(first))) && (last == 0 || is_absurd(gap(end))) {
+                ends = (first, end);
+            }
+        }
+    }
+    let (first, end) = ends;
+    if end - first == rows.len() {
+        return rows;
+    }
+    let (from, to) = (at(first).unwrap_or(f64::NAN), at(end - 1).unwrap_or(f64::NAN));
+    let far = [gap(first).filter(|_| first > 0), gap(end)].into_iter().flatten().fold(0.0, f64::max);
+    let mut left_out = Lines::of(table.counted);
+    for &row in rows.iter().take(first).chain(rows.iter().skip(end)) {
+        left_out.add(table.lines.get(row).copied().unwrap_or_default());
+    }
+    report.warn(
+        left_out.place(),
+        format!(
+            "{} left out: the time there is {} s away from all other rows, which last {} s in all. If the row is needed, correct \
+             its time in the file",
+            plural(left_out.count(), "row"),
+            Short(far),
+            Short(to - from)
+        ),
+    );
+    rows.truncate(end);
+    rows.drain(..first);
+    rows
 }
 
 /// The rows of the longest part between two restarts of the clock; of equally long parts the first.
@@ -320,6 +372,62 @@ mod tests {
         let mut table = table(&[5.0, 4.0, 3.0, 2.0, 1.0, 0.0]);
         let error = put_in_order(&mut table, "x.csv", "t", &mut QualityReport::default()).unwrap_err();
         assert!(error.to_string().contains("rises in only 1 of 6"), "{error}");
+    }
+
+    /// Times at 50 Hz from this one on.
+    fn running(from: f64, rows: usize) -> Vec<f64> {
+        (0..rows).map(|row| from + 0.02 * row as f64).collect()
+    }
+
+    #[test]
+    fn absurd_times_at_the_ends_are_left_out() {
+        let record = running(0.0, 200);
+        for wild in [1_796_076_432.0, 1e300, f64::MAX] {
+            let (kept, report) = ordered(&[record.clone(), vec![wild]].concat());
+            assert_eq!(kept, record, "{wild}");
+            let [finding] = report.findings.as_slice() else { panic!("{report}") };
+            assert_eq!(finding.place, "line 202");
+            assert!(finding.message.contains("1 row left out") && finding.message.contains("away from"), "{report}");
+        }
+        // Before the rest, at both ends, and several that are far from one another too.
+        let epoch = running(1_796_076_432.0, 200);
+        for (before, after) in [
+            (vec![0.0], vec![]),
+            (vec![-f64::MAX], vec![f64::MAX]),
+            (vec![0.0], vec![4e9]),
+            (vec![0.0, 0.02, 0.04], vec![]),
+            (vec![0.0], vec![1e12, 1e300]),
+        ] {
+            let (kept, report) = ordered(&[before.clone(), epoch.clone(), after.clone()].concat());
+            assert_eq!(kept, epoch, "{before:?} {after:?}");
+            assert_eq!(report.findings.len(), 1, "{report}");
+        }
+        // One more where the clock was started again, so that another part begins.
+        let restarted = [running(0.0, 50), running(0.0, 200), vec![1e9]].concat();
+        assert_eq!(ordered(&restarted).0, record);
+    }
+
+    #[test]
+    fn a_true_gap_at_the_end_of_a_record_is_kept() {
+        const DAY: f64 = 86_400.0;
+        for second in [
+            // A day and a month later the recorder ran again.
+            running(DAY, 10),
+            running(30.0 * DAY, 200),
+            // Single rows behind a gap that a record may have.
+            vec![300.0],
+        ] {
+            let time = [running(0.0, 200), second].concat();
+            let (kept, report) = ordered(&time);
+            assert_eq!(kept, time, "{report}");
+            assert!(report.findings.is_empty(), "{report}");
+            let turned: Vec<f64> = time.iter().rev().map(|time| -time).collect();
+            assert_eq!(ordered(&turned).0, turned);
+        }
+        // Of so few rows nobody knows which of them are wrong.
+        for time in [vec![0.0, 1.0, 1e9], [running(0.0, 9), vec![1e9]].concat(), vec![0.0, 1e9]] {
+            assert_eq!(ordered(&time).0, time);
+        }
     }
 
     #[test]
