@@ -173,6 +173,18 @@ impl Account {
         Ok(Held { account: self, bytes })
     }
 
+    /// The bytes that are held.
+    #[cfg(feature = "gzip")]
+    pub(crate) fn held(&self) -> u64 {
+        self.shared.held.get()
+    }
+
+    /// What may be taken in all.
+    #[cfg(feature = "gzip")]
+    pub(crate) fn budget(&self) -> Memory {
+        self.budget
+    }
+
     /// The bytes that may still be taken.
     #[cfg(any(test, feature = "matlab"))]
     pub(crate) fn left(&self) -> u64 {

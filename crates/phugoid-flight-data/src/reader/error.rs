@@ -27,6 +27,16 @@ pub enum ReadError {
         /// The format of the file.
         format: Format,
     },
+    /// It is compressed by gzip, and what is in it is read only where it is not compressed.
+    #[error("{source_name}: {}: {command}", packed(*format))]
+    Packed {
+        /// Name of the file or stream, as the caller gave it.
+        source_name: String,
+        /// The format of what is in it.
+        format: Format,
+        /// The command that unpacks it.
+        command: String,
+    },
     /// Names were given for the columns of a file that names them itself.
     #[error(
         "{source_name}: names of columns were given (--columns), but this is {}, which names its columns itself. Leave them out; a \
@@ -168,6 +178,16 @@ pub enum FieldProblem {
 
 fn did_you_mean(nearest: &Option<String>) -> String {
     nearest.as_ref().map(|near| format!(" (did you mean '{near}'?)")).unwrap_or_default()
+}
+
+fn packed(format: Format) -> String {
+    match format {
+        Format::Gzip => "it is compressed by gzip twice. Unpack it once".to_owned(),
+        format => format!(
+            "this is {}, compressed by gzip. Only tables as text are read compressed; unpack it first",
+            format.in_words()
+        ),
+    }
 }
 
 fn advice(format: Format) -> String {

@@ -24,6 +24,8 @@ mod error;
 mod from_log;
 mod mapped;
 mod options;
+#[cfg(feature = "gzip")]
+mod packed;
 mod signals;
 mod surfaces;
 mod vehicle;
@@ -227,14 +229,7 @@ fn table(
         #[cfg(feature = "parquet")]
         Format::Arrow => Ok(crate::columnar::ipc::read(reader, &source, &options.table, account)?),
         #[cfg(feature = "gzip")]
-        Format::Gzip => {
-            let io = |error| ReadError::Io { source_name: source.clone(), error };
-            let (inner, mut reader) = Format::of(flate2::read::MultiGzDecoder::new(reader)).map_err(io)?;
-            match inner {
-                Format::Csv | Format::Utf16 => table(inner, &mut reader, path, options, account),
-                other => Err(ReadError::NotRead { source_name: format!("{source} (unpacked)"), format: other }),
-            }
-        }
+        Format::Gzip => packed::read(reader, path, options, account),
         #[cfg(feature = "excel")]
         Format::Zip => Ok(crate::excel::read_counted(reader, &source, &options.table, account)?),
         #[cfg(feature = "matlab")]

@@ -395,15 +395,17 @@ fn a_table_is_read_by_the_same_entry_and_binary_files_are_named() {
     }
 }
 
+#[cfg(feature = "gzip")]
+fn packed(text: &[u8]) -> Vec<u8> {
+    use std::io::Write as _;
+    let mut packer = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::default());
+    packer.write_all(text).unwrap();
+    packer.finish().unwrap()
+}
+
 #[test]
 #[cfg(feature = "gzip")]
 fn a_table_compressed_by_gzip_is_read() {
-    use std::io::Write as _;
-    let packed = |text: &[u8]| {
-        let mut packer = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::default());
-        packer.write_all(text).unwrap();
-        packer.finish().unwrap()
-    };
     let file = Temporary::new("flight.csv.gz", &packed(b"time_s,alpha_deg\n0,1\n0.1,2\n0.2,3\n"));
     assert_eq!(read(&file, Vec::new()).time, [0.0, 0.1, 0.2]);
     // What it is unpacked to counts.
@@ -414,7 +416,64 @@ fn a_table_compressed_by_gzip_is_read() {
     assert!(error.contains("the budget is 10 MB"), "{error}");
     let file = Temporary::new("log.gz", &packed(b"ULog\x01\x12\x35"));
     let error = read_path(&file.0, &ReadOptions::default()).unwrap_err().to_string();
-    assert!(error.contains("(unpacked): this is a PX4 log"), "{error}");
+    let unpack = format!("unpack it first: gunzip {}", file.0.display());
+    assert!(error.contains("this is a PX4 log (ULog), compressed by gzip") && error.ends_with(&unpack), "{error}");
+    let file = Temporary::new("twice.gz", &packed(&packed(b"time_s,alpha_deg\n0,1\n")));
+    let error = read_path(&file.0, &ReadOptions::default()).unwrap_err().to_string();
+    assert!(error.contains("compressed by gzip twice. Unpack it once: gunzip"), "{error}");
+}
+
+/// What is no row takes no memory, and still it is bounded.
+#[test]
+#[cfg(feature = "gzip")]
+fn blank_lines_are_not_unpacked_without_end() {
+    let options = ReadOptions::default().with_max_memory(Memory::from_bytes(1_000_000));
+    let rows = b"0.123456,1.123456\n0.223456,1.123456\n0.323456,1.123456\n";
+    for filling in ["\n", "# a comment\n"] {
+        let bomb = [b"time_s,alpha_deg\n", &rows[..], filling.repeat(3_000_000 / filling.len()).as_bytes()].concat();
+        let file = Temporary::new("blank.csv.gz", &packed(&bomb));
+        let error = read_path(&file.0, &options).unwrap_err().to_string();
+        assert!(error.contains("it was unpacked to 1 MB") && error.contains("the budget is 1 MB"), "{error}");
+        assert!(error.contains("--max-memory") && error.contains("up to line "), "{error}");
+    }
+    // Rows may be longer than what is kept of them.
+    let row = |number: usize| format!("{number},{:60},{:60}\n", 0.5, "no number");
+    let text: String = (0..8000).map(row).collect();
+    assert!(text.len() > 1_000_000);
+    let file = Temporary::new("long.csv.gz", &packed(format!("time_s,alpha_deg,note\n{text}").as_bytes()));
+    assert_eq!(read_path(&file.0, &options).unwrap().time.len(), 8000);
+}
+
+#[test]
+#[cfg(feature = "gzip")]
+fn a_damaged_compressed_table_gives_the_rows_before_a_cut_or_advice() {
+    let text: String =
+        (0..20_000).map(|row| format!("{:.2},{:.9}\n", 0.01 * f64::from(row), f64::from(row).sin())).collect();
+    let whole = packed(format!("time_s,alpha_deg\n{text}").as_bytes());
+    let file = Temporary::new("cut.csv.gz", &whole[..whole.len() / 2]);
+    let record = read_path(&file.0, &ReadOptions::default()).unwrap();
+    assert!((8000..12_000).contains(&record.time.len()), "{}", record.time.len());
+    // The row in which it ends may be whole.
+    let rows = record.quality.rows_read;
+    let told = record.quality.to_string();
+    let places =
+        [format!("line {}: the compressed file is cut off here", rows + 1), format!("line {}: the compr", rows + 2)];
+    assert!(places.iter().any(|place| told.contains(place)), "{rows} rows: {told}");
+    for length in [2, 12] {
+        let file = Temporary::new("cut.csv.gz", &whole[..length]);
+        let error = read_path(&file.0, &ReadOptions::default()).unwrap_err().to_string();
+        assert!(error.contains("cut off before anything could be unpacked: copy it again"), "{error}");
+    }
+    // The checksum stands in the last eight bytes.
+    let mut wrong = whole.clone();
+    let end = wrong.len();
+    wrong[end - 8] ^= 1;
+    let file = Temporary::new("crc.csv.gz", &wrong);
+    let error = read_path(&file.0, &ReadOptions::default()).unwrap_err().to_string();
+    assert!(
+        error.contains("are damaged, found at line 20002 of the text") && error.contains("copy it again"),
+        "{error}"
+    );
 }
 
 /// Rates and the attitude at the end, as pyulog and pymavlink give them for the same files.
