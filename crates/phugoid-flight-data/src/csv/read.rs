@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-use super::rows::Rows;
+use super::rows::{Header, Rows};
 use super::text_file::TextFile;
 use super::{CsvOptions, ReadError};
 use crate::memory::Account;
@@ -65,7 +65,8 @@ pub(crate) fn read_counted(
         Head { source, line: Some(line), headers: &headers, units: units.as_deref(), first_row: first_row.as_deref() };
     let table_options = options.table();
     let plan = columns::plan(&head, &table_options, &mut report)?;
-    let mut rows = Rows::new(plan, headers.len(), line, file.format.clone());
+    let header = Header { line, fields: headers.len(), empty_names: file.empty_names };
+    let mut rows = Rows::new(plan, header, file.format.clone());
     if let Some(mut row) = carried {
         rows.add(&row, source, options, account)?;
         while file.read_row(&mut row)? {

@@ -13,11 +13,33 @@ use crate::table::time_base::Table;
 use crate::table::{self, BYTES_PER_ROW, Read, TableError, TableOptions};
 use crate::wording::{Counted, Lines, cut, plural};
 
+/// Where the header of a file is, and how many names it has.
+pub(super) struct Header {
+    pub(super) line: usize,
+    /// Number of names.
+    pub(super) fields: usize,
+    /// Number of empty cells behind the last name.
+    pub(super) empty_names: usize,
+}
+
+impl Header {
+    /// Which names are empty, as a clause.
+    fn empty(&self) -> Option<String> {
+        let (line, first, last) = (self.line, self.fields + 1, self.fields + self.empty_names);
+        match self.empty_names {
+            0 => None,
+            1 => Some(format!("the last name of the header (line {line}, column {last}) is empty")),
+            count => {
+                Some(format!("the last {count} names of the header (line {line}, columns {first} to {last}) are empty"))
+            }
+        }
+    }
+}
+
 /// The rows read so far, and what was wrong with those that were left out.
 pub(super) struct Rows {
     plan: Plan,
-    fields: usize,
-    header_line: usize,
+    header: Header,
     format: Format,
     table: Table,
     seen: usize,
@@ -53,12 +75,11 @@ struct Grouped {
 }
 
 impl Rows {
-    pub(super) fn new(plan: Plan, fields: usize, header_line: usize, format: Format) -> Self {
+    pub(super) fn new(plan: Plan, header: Header, format: Format) -> Self {
         let count = plan.channels.len();
         Self {
             plan,
-            fields,
-            header_line,
+            header,
             format,
             table: Table {
                 time: Vec::new(),
@@ -93,21 +114,21 @@ impl Rows {
         let row_index = self.seen;
         self.seen += 1;
         let cells = self.format.cells(&row.text, &mut self.scratch);
-        if cells.len() < self.fields {
+        if cells.len() < self.header.fields {
             match row.ended {
                 true => self.too_short.add(row.line),
                 false => self.cut = Some(row.line),
             }
             return Ok(());
         }
-        if cells.len() > self.fields {
-            if cells.iter().skip(self.fields).any(|cell| !cell.is_empty()) {
+        if cells.len() > self.header.fields {
+            if cells.iter().skip(self.header.fields).any(|cell| !cell.is_empty()) {
                 self.too_long.add(row.line);
                 return Ok(());
             }
             self.blank_at_end.add(row.line);
         }
-        let last = self.fields.saturating_sub(1);
+        let last = self.header.fields.saturating_sub(1);
         let last_cell = cells.get(last);
         // With fewer than two rows before it the length of the cell cannot be judged.
         let half = !row.ended && self.table.time.len() >= 2 && last_cell.len() < self.shortest_last;
@@ -170,7 +191,7 @@ impl Rows {
         mut report: QualityReport,
     ) -> Result<Record, ReadError> {
         if self.table.time.is_empty() {
-            let (line, reason) = (Some(self.header_line), self.why_no_rows());
+            let (line, reason) = (Some(self.header.line), self.why_no_rows());
             return Err(TableError::NoRows { source_name: source.to_owned(), line, reason }.into());
         }
         for (channel, grouped) in self.plan.channels.iter().zip(&self.grouped) {
@@ -189,9 +210,9 @@ impl Rows {
         if let Some(time) = self.plan.time.as_mut().filter(|_| self.clock.is_some()) {
             time.unit_assumed = false;
         }
-        let Self { plan, table, text, seen, header_line, clock, .. } = self;
+        let Self { plan, table, text, seen, header, clock, .. } = self;
         Ok(table::record(
-            Read { source, header_line: Some(header_line), seen, plan, table, text, sparse: false, clock },
+            Read { source, header_line: Some(header.line), seen, plan, table, text, sparse: false, clock },
             options,
             report,
         )?)
@@ -208,16 +229,20 @@ impl Rows {
         let mut reasons = Vec::new();
         if short > 0 {
             let rows = plural(short, "row");
-            reasons.push(format!("{rows} with fewer than {} cells ({})", self.fields, self.too_short.place()));
+            reasons.push(format!("{rows} with fewer than {} cells ({})", self.header.fields, self.too_short.place()));
         }
         if long > 0 {
-            let rows = plural(long, "row");
-            reasons.push(format!(
-                "{rows} with more than {} cells ({}; are there commas in the numbers? then separate the cells by \
-                 semicolons)",
-                self.fields,
-                self.too_long.place()
-            ));
+            let (rows, fields, place) = (plural(long, "row"), self.header.fields, self.too_long.place());
+            reasons.push(match self.header.empty() {
+                Some(empty) => format!(
+                    "{empty}, and {rows} have values there ({place}). Write the name of that column into the header, or empty \
+                     these cells"
+                ),
+                None => format!(
+                    "{rows} with more than {fields} cells ({place}; are there commas in the numbers? then separate the cells by \
+                     semicolons)"
+                ),
+            });
         }
         if untimed > 0 {
             let found = match self.untimed.as_str() {
@@ -230,7 +255,7 @@ impl Rows {
     }
 
     fn report_rows(&self, report: &mut QualityReport) {
-        let fields = self.fields;
+        let fields = self.header.fields;
         if self.too_short.count() > 0 {
             let rows = plural(self.too_short.count(), "row");
             report.warn(
@@ -242,7 +267,9 @@ impl Rows {
         }
         if self.too_long.count() > 0 {
             let rows = plural(self.too_long.count(), "row");
-            report.warn(self.too_long.place(), format!("{rows} left out: more than the header's {fields} cells"));
+            let empty = self.header.empty().map(|empty| format!("; {empty}")).unwrap_or_default();
+            report
+                .warn(self.too_long.place(), format!("{rows} left out: more than the header's {fields} cells{empty}"));
         }
         if self.blank_at_end.count() > 0 {
             report.note(self.blank_at_end.place(), "blank cells beyond the header's last column ignored");

@@ -35,6 +35,8 @@ pub(super) struct TextFile<'s, R: Read> {
     pub(super) format: Format,
     line: usize,
     last_comment: Option<(usize, String)>,
+    /// Number of cells at the end of the header that are empty and are not counted as columns.
+    pub(super) empty_names: usize,
 }
 
 impl<'s, R: Read> TextFile<'s, R> {
@@ -50,7 +52,7 @@ impl<'s, R: Read> TextFile<'s, R> {
         }
         let format = format::sniff(&sample, complete, delimiter);
         let lines = BufReader::new(Cursor::new(sample).chain(reader));
-        Ok(Self { source, lines, format, line: 0, last_comment: None })
+        Ok(Self { source, lines, format, line: 0, last_comment: None, empty_names: 0 })
     }
 
     pub(super) fn next_row(&mut self) -> Result<Option<Row>, ReadError> {
@@ -139,6 +141,7 @@ impl<'s, R: Read> TextFile<'s, R> {
             // Blank cells at the end of the header are the traces of a delimiter at the end of every line.
             while cells.last().is_some_and(|cell| cell.trim().is_empty()) {
                 cells.pop();
+                self.empty_names += 1;
             }
             columns::check_count(self.source, Some(first.line), cells.len())?;
             return Ok((first.line, cells, None));

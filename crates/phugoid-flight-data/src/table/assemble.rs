@@ -9,7 +9,7 @@ use crate::table::clock::{self, Clock};
 use crate::table::columns::{self, ColumnUse, Plan};
 use crate::table::time_base::{self, Table};
 use crate::table::{TableError, TableOptions, derived, markers, stuck_and_spikes};
-use crate::wording::{Lines, Short, plural};
+use crate::wording::{Lines, Precise, Short, plural};
 
 /// What each row takes besides its values, bytes: its time, its number, and what is needed to put the rows in order and
 /// to check them (seven lists of numbers at the most, one after the other).
@@ -43,9 +43,18 @@ pub(crate) fn record(read: Read<'_>, options: &TableOptions, mut report: Quality
             None => columns::report_assumed_unit(column, &mut report),
         }
     }
+    let (timed, first) = (table.time.len(), table.time.first().copied().unwrap_or(f64::NAN));
+    let all_equal = timed > 1 && table.time.iter().all(|time| *time == first);
     time_base::put_in_order(&mut table, source, &time_header, &mut report)?;
     if table.time.len() < 2 {
-        let reason = "only one time is left; a record needs at least two".to_owned();
+        let reason = match all_equal {
+            true => format!(
+                "all {timed} rows have the same time, {} s in the column '{time_header}': it is written with too few digits. Write \
+                 more digits, or give the time from row to row (--sample-time 0.02s)",
+                Precise(first)
+            ),
+            false => "only one time is left; a record needs at least two".to_owned(),
+        };
         return Err(TableError::NoRows { source_name: source.to_owned(), line: header_line, reason });
     }
     count_from_first(&mut table.time, clock.as_ref(), options, &mut report);

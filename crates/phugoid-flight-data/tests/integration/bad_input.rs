@@ -72,6 +72,28 @@ fn empty_files_and_bare_headers() {
 }
 
 #[test]
+fn a_time_with_too_few_digits_for_any_step_is_named() {
+    let mut text = String::from("time_s,alpha_rad\n");
+    (0..40).for_each(|row| writeln!(text, "1796076000,{}", 0.01 * f64::from(row)).unwrap());
+    let message = refused(&text);
+    assert!(message.contains("all 40 rows have the same time, 1796076000 s in the column 'time_s'"), "{message}");
+    assert!(message.contains("too few digits") && message.contains("--sample-time 0.02s"), "{message}");
+}
+
+#[test]
+fn an_empty_name_at_the_end_of_a_header_is_named() {
+    let message = refused("time_s,alpha_rad,\n0,1,5\n1,2,5\n2,3,5\n");
+    let empty = "the last name of the header (line 1, column 3) is empty";
+    assert!(message.contains(&format!("{empty}, and 3 rows have values there (lines 2, 3, 4)")), "{message}");
+    let message = refused("# log\ntime_s,alpha_rad,,\n0,1,5,\n1,2,5,6\n");
+    assert!(message.contains("the last 2 names of the header (line 2, columns 3 to 4) are empty"), "{message}");
+    // Where some rows can be read it is said beside them.
+    let record = good("time_s,alpha_rad,\n0,1,\n1,2,\n2,3,\n3,4,5\n");
+    assert_eq!(record.time.len(), 3);
+    says(&record, &["line 5: 1 row left out: more than the header's 2 cells", empty]);
+}
+
+#[test]
 fn a_file_without_a_header_is_refused() {
     let message = refused("# log\n0.0,1.0,2.0\n0.1,1.0,2.0\n");
     assert!(message.contains("line 2: a header line"), "{message}");
