@@ -290,7 +290,7 @@ pub fn by_any_name(name: &str) -> Vec<&'static ChannelSpec> {
 }
 
 /// Names are taken for misspellings of each other from this similarity on: 1 - edits / letters.
-const MIN_SIMILARITY: f64 = 0.75;
+pub(crate) const MIN_SIMILARITY: f64 = 0.75;
 
 /// The canonical name of the channel whose name or synonym is most similar to a misspelt name; `None` if none is
 /// similar.

@@ -53,27 +53,35 @@ impl Record {
     /// # Errors
     /// [`MissingChannel`] if the record has no channel of this name.
     pub fn require(&self, name: &str) -> Result<&Channel, MissingChannel> {
-        self.channel(name).ok_or_else(|| {
-            let alike = self
-                .channels
-                .iter()
-                .map(|channel| (channel, strsim::normalized_damerau_levenshtein(name, &channel.name)))
-                .filter(|&(_, likeness)| likeness >= 0.6)
-                .max_by(|a, b| a.1.total_cmp(&b.1))
-                .map(|(channel, _)| channel.name.clone());
-            MissingChannel {
-                source_name: self.source.clone(),
-                channel: name.to_owned(),
-                header: match channels::by_name(name) {
-                    Some(spec) if spec.quantity != Quantity::Number => {
-                        format!("{name}_{}", spec.quantity.si_suffix())
-                    }
-                    _ => name.to_owned(),
-                },
-                alike,
-                available: self.channels.iter().map(|channel| channel.name.clone()).collect(),
-            }
+        self.channel(name).ok_or_else(|| MissingChannel {
+            source_name: self.source.clone(),
+            channel: name.to_owned(),
+            header: match channels::by_name(name) {
+                Some(spec) if spec.quantity != Quantity::Number => {
+                    format!("{name}_{}", spec.quantity.si_suffix())
+                }
+                _ => name.to_owned(),
+            },
+            alike: self.similar_channel(name).map(str::to_owned),
+            available: self.channels.iter().map(|channel| channel.name.clone()).collect(),
         })
+    }
+
+    /// The channel of the record whose name is probably another spelling of this one, or is this one with something behind it
+    /// (`elevator_left`); `None` if there is none. Of two known channels (`theta`, `beta`) none is a spelling of the other.
+    pub fn similar_channel(&self, name: &str) -> Option<&str> {
+        let is_known = channels::by_name(name).is_some();
+        let names = self.channels.iter().map(|channel| channel.name.as_str());
+        let begins = |other: &str| {
+            let rest = other.strip_prefix(name).filter(|_| !name.is_empty());
+            rest.is_some_and(|rest| rest.starts_with(|c: char| !c.is_alphanumeric()))
+        };
+        names
+            .filter(|other| !is_known || channels::by_name(other).is_none())
+            .map(|other| (other, strsim::normalized_damerau_levenshtein(name, other)))
+            .filter(|&(other, likeness)| likeness >= channels::MIN_SIMILARITY || begins(other))
+            .max_by(|a, b| a.1.total_cmp(&b.1))
+            .map(|(other, _)| other)
     }
 
     /// Number of samples: times, and values of each channel.

@@ -240,6 +240,10 @@ fn normalise(text: &str) -> String {
         "-" | "--" | "1" | "none" | "n/a" | "dimensionless" | "nondim" | "ratio" | "fraction" => return "-".into(),
         "%" | "percent" | "pct" | "per cent" => return "pct".into(),
         "g's" | "gs" | "g0" => return "g".into(),
+        "degps" | "degpersec" => return "deg_s".into(),
+        "radps" | "radpersec" => return "rad_s".into(),
+        "degps2" => return "deg_s2".into(),
+        "radps2" => return "rad_s2".into(),
         _ => {}
     }
     let mut plain = String::with_capacity(text.len() + 4);
@@ -305,8 +309,18 @@ mod tests {
 
     #[test]
     fn spellings_of_one_unit_agree() {
-        for text in ["deg/s", "deg_s", "Deg per sec", "°/s", "deg s-1", "degrees/second", "DEG_S", "Grad/s", "grados/s"]
-        {
+        for text in [
+            "deg/s",
+            "deg_s",
+            "Deg per sec",
+            "°/s",
+            "deg s-1",
+            "degrees/second",
+            "DEG_S",
+            "Grad/s",
+            "grados/s",
+            "degps",
+        ] {
             assert_eq!(find_for(text, AngularRate).map(|u| u.symbol), Some("deg_s"), "{text}");
         }
         for text in ["m/s^2", "m/s²", "m_s2", "m/s/s", "M/S2", "m s-2", "m/s**2", "m/sec^2"] {

@@ -245,6 +245,11 @@ pub(super) fn refuse_binary(source: &str, start: &[u8]) -> Result<(), ReadError>
         [0x1F, 0x8B, ..] => ("compressed by gzip", "unpack it first (gunzip)"),
         [b'P', b'A', b'R', b'1', ..] => ("a Parquet file", "export it as CSV"),
         [0x89, b'H', b'D', b'F', ..] => ("an HDF5 or MATLAB 7.3 file", "export it as CSV"),
+        // A text may begin with these letters too, but has no zero bytes.
+        _ if start.starts_with(b"PHGL") && start.contains(&0) => (
+            "a recording of `phugoid live`",
+            "replay it with `phugoid live --replay FILE --speed max`, or show it with `phugoid view FILE`",
+        ),
         _ if start.starts_with(b"MATLAB 5.0") => ("a MATLAB file", "export it as CSV, e.g. with writetable"),
         _ if start.contains(&0) => (
             "binary data (there are zero bytes in it)",

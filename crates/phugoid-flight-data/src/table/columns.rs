@@ -354,10 +354,10 @@ fn automatic(
         Meaning::Unknown { name, unit, doubt } => {
             let mut name = name;
             match doubt {
-                Some(Doubt::Near { name, like }) => {
+                Some(Doubt::Near { name, like, unit: near }) => {
                     let has = meanings.has(name) || mapped_names.iter().any(|mapped| mapped == name);
                     if !has && misspelt::can_be(name, unit) {
-                        report.warn(place, misspelt::message(&header, name, like, unit));
+                        report.warn(place, misspelt::message(&header, name, like, unit.or(near)));
                     }
                 }
                 Some(doubt) => doubtful(&place, &doubt, report),
@@ -393,7 +393,11 @@ fn doubtful(place: &str, doubt: &Doubt, report: &mut QualityReport) {
     match doubt {
         Doubt::Unit { spec, text, found } => {
             let what = match found {
-                Some(quantity) => format!("'{text}' is {}", quantity.in_words()),
+                Some(found) => format!(
+                    "'{text}' is {} and no unit of {}",
+                    found.in_words(),
+                    spec.quantity.in_words()
+                ),
                 None => format!("'{text}' is no unit that is understood"),
             };
             report.warn(

@@ -20,8 +20,8 @@ pub(crate) enum Doubt {
     Unit { spec: &'static ChannelSpec, text: String, found: Option<Quantity> },
     /// The name could mean several channels.
     Ambiguous(Vec<&'static str>),
-    /// The name is probably a misspelling of this channel, of which `like` is one of the names.
-    Near { name: &'static str, like: &'static str },
+    /// The name is probably a misspelling of this channel, of which `like` is one of the names; or its unit is one of `unit`.
+    Near { name: &'static str, like: &'static str, unit: Option<Unit> },
 }
 
 /// Two different units are stated for one column: in its header, in brackets, or in the row of units below.
@@ -191,7 +191,7 @@ fn with_suffix(header: &str) -> Meaning {
 
 /// The doubt about a name that is like one of a channel.
 fn near(name: &str) -> Option<Doubt> {
-    channels::nearest_spelling(name).map(|(name, like)| Doubt::Near { name, like })
+    channels::nearest_spelling(name).map(|(name, like)| Doubt::Near { name, like, unit: None })
 }
 
 /// The doubt about a known name behind which a unit is misspelt by one letter: `alpha_dg`.
@@ -201,12 +201,17 @@ fn misspelt_unit(header: &str) -> Option<Doubt> {
     splits(header, true).into_iter().find_map(|(name, suffix)| {
         let suffix = suffix.to_lowercase();
         let one_letter = |symbol: &str| symbol.len() > 2 && strsim::damerau_levenshtein(symbol, &suffix) == 1;
-        let spec = channels::by_any_name(name)
-            .into_iter()
-            .find(|spec| units::UNITS.iter().any(|unit| unit.quantity == spec.quantity && one_letter(unit.symbol)))?;
+        let near = |spec: &ChannelSpec| {
+            let quantity = spec.quantity;
+            units::UNITS.iter().filter(move |unit| unit.quantity == quantity && one_letter(unit.symbol))
+        };
+        let spec = channels::by_any_name(name).into_iter().find(|spec| near(spec).next().is_some())?;
+        // Where several units are as near, nobody knows which is meant.
+        let mut units = near(spec).copied();
+        let unit = units.next().filter(|first| units.all(|other| other.scale == first.scale));
         // A single letter is an index or a mark.
         let is_unit = suffix.len() > 1 && !OTHER_WORDS.contains(&suffix.as_str());
-        is_unit.then_some(Doubt::Near { name: spec.name, like: spec.name })
+        is_unit.then_some(Doubt::Near { name: spec.name, like: spec.name, unit })
     })
 }
 
@@ -323,6 +328,7 @@ mod tests {
             ("q_rad_s", "q", Some("rad_s")),
             ("q_deg_s", "q", Some("deg_s")),
             ("q_dps", "q", Some("dps")),
+            ("q_degps", "q", Some("deg_s")),
             ("q_psf", "dynamic_pressure", Some("psf")),
             ("q", "q", None),
             ("p_hpa", "static_pressure", Some("hpa")),
@@ -390,10 +396,19 @@ mod tests {
         assert!(matches!(unknown("ζ").2, Some(Doubt::Ambiguous(_))));
         assert!(matches!(unknown("aplha_deg").2, Some(Doubt::Near { name: "alpha", .. })));
         // The letter is no temperature; whether it is the pitch attitude only the user knows.
-        assert_eq!(unknown("theta_c"), ("theta_c".into(), None, Some(Doubt::Near { name: "theta", like: "theta" })));
-        assert!(matches!(unknown("alpha_dg").2, Some(Doubt::Near { name: "alpha", .. })));
-        assert!(matches!(unknown("Höhenuder [°]").2, Some(Doubt::Near { name: "elevator", like: "höhenruder" })));
-        assert!(matches!(unknown("Anstelwinkel [°]").2, Some(Doubt::Near { name: "alpha", like: "anstellwinkel" })));
+        assert_eq!(
+            unknown("theta_c"),
+            ("theta_c".into(), None, Some(Doubt::Near { name: "theta", like: "theta", unit: None }))
+        );
+        let Some(Doubt::Near { name: "alpha", unit: Some(unit), .. }) = unknown("alpha_dg").2 else {
+            panic!("alpha_dg")
+        };
+        assert_eq!(unit.symbol, "deg");
+        assert!(matches!(unknown("Höhenuder [°]").2, Some(Doubt::Near { name: "elevator", like: "höhenruder", .. })));
+        assert!(matches!(
+            unknown("Anstelwinkel [°]").2,
+            Some(Doubt::Near { name: "alpha", like: "anstellwinkel", .. })
+        ));
         for header in ["alpha_des", "alpha_ref", "elevator_cmd"] {
             assert_eq!(unknown(header).2, None, "{header}");
         }

@@ -246,6 +246,59 @@ fn misspelt_headers_get_a_suggestion() {
 }
 
 #[test]
+fn a_recording_of_a_live_session_is_known() {
+    let message =
+        read(&b"PHGL\x20\0\0\0\x01\x02\x03\x04\x01\0"[..], "x", &CsvOptions::default()).unwrap_err().to_string();
+    assert!(message.contains("not a text file but a recording of `phugoid live`"), "{message}");
+    assert!(message.contains("phugoid live --replay FILE") && message.contains("phugoid view FILE"), "{message}");
+    assert_eq!(good("PHGL,time_s\n1,0\n2,1\n").time, [0.0, 1.0]);
+}
+
+#[test]
+fn a_known_channel_is_no_misspelling_of_another() {
+    let record = good("time_s,beta_rad,q_deg_s,qdot_rad_s2,elevator_left_deg\n0,1,2,3,4\n1,2,3,4,5\n");
+    for (name, similar) in [("theta", None), ("thrust", None), ("p", None), ("elevator", Some("elevator_left"))] {
+        assert_eq!(record.similar_channel(name), similar, "{name}");
+        assert_eq!(record.require(name).unwrap_err().alike.as_deref(), similar, "{name}");
+    }
+    assert_eq!(record.similar_channel("betta"), Some("beta"));
+}
+
+#[test]
+fn a_misspelt_unit_is_offered_as_it_is_meant() {
+    let record = good("time_s,q_deg_sce,tas_xy\n0,1,2\n1,2,3\n");
+    let q = record.columns_for("q");
+    assert!(q.iter().all(|column| !column.message.contains("rad_s")), "{q:?}");
+    let record = good("time_s,alpha_dg\n0,1\n1,2\n");
+    says(&record, &["write alpha_deg as its header", "[channels] alpha = { header = \"alpha_dg\", unit = \"deg\" }"]);
+    // Degrees per second without a mark between them are read.
+    let record = good("time_s,q_degps\n0,1\n1,2\n");
+    assert_eq!(values(&record, "q")[0], 1_f64.to_radians());
+}
+
+#[test]
+fn columns_that_could_be_a_lacking_channel_are_named_with_the_reason() {
+    let record = good("time_s,airspeed_m_s,alpha_kt,eta\n0,80,1,2\n1,81,2,3\n");
+    for (channel, parts) in [
+        (
+            "true_airspeed",
+            &["could be true_airspeed or calibrated_airspeed or indicated_airspeed", "unit = \"m_s\" }"][..],
+        ),
+        ("calibrated_airspeed", &["[channels] calibrated_airspeed = { header = \"airspeed_m_s\""]),
+        ("alpha", &["'kt' is a speed and no unit of an angle", "with the unit that it is in where that is not rad"]),
+        ("elevator", &["can also mean something else"]),
+    ] {
+        let found = record.columns_for(channel);
+        let [column] = found.as_slice() else { panic!("{channel}: {found:?}") };
+        assert!(parts.iter().all(|part| column.message.contains(part)), "{column}");
+    }
+    // What is there is not looked for, and the misspelt ones are those of before.
+    let record = good("time_s,tas_m_s,airspeed_m_s,aplha_deg\n0,80,80,1\n1,81,81,1\n");
+    assert!(record.columns_for("true_airspeed").is_empty());
+    assert_eq!(record.columns_for("alpha"), record.misspelt());
+}
+
+#[test]
 fn ambiguous_headers_are_not_guessed() {
     let record = good("time_s,airspeed_kt,V_m_s\n0,200,1\n1,201,2\n");
     says(&record, &["'airspeed_kt'", "true_airspeed or calibrated_airspeed or indicated_airspeed", "not guessed"]);

@@ -105,8 +105,8 @@ fn lacking(record: &Record, missing: Vec<String>, axes: DraftedAxes) -> Result<(
     let example = contents::header_of(first);
     let axes = if axes.has_longitudinal() { "longitudinal" } else { "lateral-directional" };
     // `aileron or rudder` is one of the missing.
-    let is_missing = |column: &Misspelt| missing.iter().any(|missing| missing.split(' ').any(|n| n == column.channel));
-    let misspelt = record.misspelt().iter().filter(|column| is_missing(column)).map(Misspelt::to_string).collect();
+    let names = missing.iter().flat_map(|missing| missing.split(' '));
+    let misspelt = names.flat_map(|name| record.columns_for(name)).map(|column| column.to_string()).collect();
     Err(DraftError::Channels { missing, axes, example, misspelt })
 }
 

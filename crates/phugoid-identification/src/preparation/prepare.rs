@@ -11,7 +11,6 @@ use crate::core::axes::Axes;
 use crate::core::error::{EstimateError, Lacking};
 use crate::core::estimation::Signal;
 use crate::core::output::Output;
-use crate::core::words::nearest;
 use crate::model_file::{AirDensity, Base, InputHold, ModelFile, Reference, ReferenceValue, Role, Thrust};
 use crate::models::longitudinal::{Database, LongitudinalModel};
 use crate::motion::{Motion, ReferencePoint};
@@ -526,9 +525,9 @@ fn missing(record: &Record, name: &str, others: &[&str], dispensable: Option<Str
     // The reader of a log says for a missing channel where it was looked for and what to do.
     let about = |place: &str| place == name || place == "vehicle" || other_channels.iter().any(|other| other == place);
     let about_channels = record.quality.findings.iter().filter(|finding| about(&finding.place));
-    let is_lacking = |channel: &str| channel == name || other_channels.iter().any(|other| other == channel);
-    let misspelt = record.misspelt().into_iter().filter(|column| is_lacking(column.channel));
-    let findings = misspelt
+    let lacking = std::iter::once(name).chain(other_channels.iter().map(String::as_str));
+    let columns = lacking.flat_map(|channel| record.columns_for(channel));
+    let findings = columns
         .map(|column| column.to_string())
         .chain(about_channels.map(|finding| format!("{}: {}", finding.place, finding.message.replace('\n', "\n  "))))
         .collect();
@@ -536,7 +535,7 @@ fn missing(record: &Record, name: &str, others: &[&str], dispensable: Option<Str
         record: record.source.clone(),
         channel: name.to_owned(),
         present: record.channels.iter().map(|c| c.name.clone()).collect(),
-        nearest: nearest(name, record.channels.iter().map(|c| c.name.as_str())).map(str::to_owned),
+        nearest: record.similar_channel(name).map(str::to_owned),
         lacking: Box::new(Lacking { other_channels, findings, dispensable }),
     }
 }
