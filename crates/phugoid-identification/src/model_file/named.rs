@@ -30,6 +30,16 @@ pub enum ModelError {
         /// The built-in name that is most similar, if one is similar at all.
         nearest: Option<&'static str>,
     },
+    /// The file is no text in UTF-8.
+    #[error("{}, line {line}: {found}. Save the file as UTF-8, as the editor offers it when it saves", .path.display())]
+    NotUtf8 {
+        /// The file that was asked for.
+        path: PathBuf,
+        /// The line of the first character that cannot be read, from 1.
+        line: usize,
+        /// What is there instead, as a clause.
+        found: String,
+    },
     /// The text is not a model file.
     #[error(transparent)]
     Wrong(#[from] ModelFileError),
@@ -194,16 +204,49 @@ impl ModelFile {
 }
 
 fn read(path: &Path) -> Result<String, ModelError> {
-    std::fs::read_to_string(path).map_err(|source| ModelError::Unreadable {
+    let bytes = std::fs::read(path).map_err(|source| ModelError::Unreadable {
         path: path.to_owned(),
         source,
         nearest: nearest(&path.display().to_string(), names()),
+    })?;
+    String::from_utf8(bytes).map_err(|error| {
+        let bytes = error.as_bytes();
+        let (before, rest) = bytes.split_at(error.utf8_error().valid_up_to().min(bytes.len()));
+        let found = match (bytes, rest) {
+            ([0xFF, 0xFE, ..] | [0xFE, 0xFF, ..], _) => "the file is written in UTF-16".to_owned(),
+            (_, [byte, ..]) => format!(
+                "there is a character that is not written in UTF-8 (byte {byte:02X}, which is '{}' in Latin-1)",
+                char::from(*byte).escape_debug()
+            ),
+            (_, []) => "the text is not written in UTF-8".to_owned(),
+        };
+        let line = 1 + before.iter().filter(|byte| **byte == b'\n').count();
+        ModelError::NotUtf8 { path: path.to_owned(), line, found }
     })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_model_file_in_another_encoding_is_told_so() {
+        let path = std::env::temp_dir().join(format!("phugoid-encoding-{}.toml", std::process::id()));
+        let utf16: Vec<u8> = "\u{feff}name = \"x\"\n".encode_utf16().flat_map(u16::to_le_bytes).collect();
+        for (bytes, told) in [
+            (
+                &b"# Mass\n\nname = \"M\xFCller\"\n"[..],
+                "line 3: there is a character that is not written in UTF-8 (byte FC, which is 'ü' in",
+            ),
+            (&utf16, "line 1: the file is written in UTF-16"),
+        ] {
+            std::fs::write(&path, bytes).unwrap();
+            let message = ModelFile::open(&path).unwrap_err().to_string();
+            assert!(message.contains(told) && message.contains("Save the file as UTF-8"), "{message}");
+            assert!(!message.contains("Built-in models"), "{message}");
+        }
+        std::fs::remove_file(&path).unwrap();
+    }
 
     #[test]
     fn every_built_in_model_reads_and_wrong_names_get_a_hint() {
