@@ -26,6 +26,7 @@ mod linearize;
 pub(crate) mod live;
 mod method;
 mod monitor;
+mod number;
 mod reading;
 mod regress;
 mod reproduce;
@@ -126,7 +127,7 @@ pub(crate) enum Command {
 #[derive(Debug, Args)]
 pub(crate) struct Demonstration {
     /// Seed of the sensor noise [default: 1]
-    #[arg(long, value_name = "NUMBER")]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true, value_parser = number::whole::<u64>)]
     pub(crate) seed: Option<u64>,
     /// Estimator [default: the one that the model file names, smpe]
     #[arg(long, value_parser = causal_method())]

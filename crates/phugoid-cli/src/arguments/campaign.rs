@@ -26,7 +26,7 @@ pub(crate) struct Campaign {
     #[arg(long, value_name = "DIR")]
     pub(crate) store: PathBuf,
     /// Number of threads [default: one per core]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=4096))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..=4096))]
     pub(crate) workers: Option<u16>,
     /// The i-th of n parts of the campaign, for arrays of jobs on several machines with one store
     #[arg(long, value_name = "i/n", default_value_t)]

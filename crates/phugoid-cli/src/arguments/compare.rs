@@ -8,6 +8,7 @@ use phugoid_simulation::quantity::Time;
 use super::delivery::PictureFormat;
 use super::help::examples_and_exit_codes;
 use super::keeping::Keeping;
+use super::number::above_zero;
 
 /// Runs several estimators on the same simulated flights and compares their errors, bounds and speed of convergence
 #[derive(Debug, Args)]
@@ -33,13 +34,13 @@ pub(crate) struct Compare {
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     pub(crate) methods: Vec<String>,
     /// Flights per scenario, each with its own noise, gusts and pilot input [default: 20]
-    #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub(crate) seeds: Option<u32>,
     /// Fly four flights per scenario, for a first look
     #[arg(long, conflicts_with = "seeds")]
     pub(crate) quick: bool,
     /// Period of the short-period mode, in which times are counted in scenarios of your own
-    #[arg(long, value_name = "TIME", default_value = "4.17s")]
+    #[arg(long, value_name = "TIME", default_value = "4.17s", allow_hyphen_values = true, value_parser = above_zero::<Time>)]
     pub(crate) cycle: Time,
     /// List the scenarios and methods, and fly nothing
     #[arg(long)]

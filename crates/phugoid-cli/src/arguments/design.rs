@@ -6,6 +6,7 @@ use clap::{Args, ValueEnum};
 use phugoid_simulation::quantity::{Angle, AngularRate, Frequency, Time};
 
 use super::help::examples_and_exit_codes;
+use super::number::positive;
 
 /// Designs a control input for system identification, and predicts how accurate the estimates from it can be
 ///
@@ -108,11 +109,4 @@ pub(crate) enum SurfaceName {
     Aileron,
     /// Positive with the trailing edge to the left: yaws to the left
     Rudder,
-}
-
-fn positive(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(value) if value > 0.0 && value.is_finite() => Ok(value),
-        _ => Err("write a positive number, as in 0.5".to_owned()),
-    }
 }

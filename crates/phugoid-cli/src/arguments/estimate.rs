@@ -9,6 +9,7 @@ use phugoid_identification::options::{Band, FlowAngles};
 
 use super::help::examples_and_exit_codes;
 use super::method::method;
+use super::number::manoeuvres;
 use super::reading::{Deleting, Moment, Reading, flight};
 
 /// Estimates the coefficients of an aircraft from a recorded flight
@@ -90,7 +91,7 @@ pub(crate) struct Estimate {
     pub(crate) to: Option<Moment>,
     /// Use only the manoeuvre that `phugoid inspect` lists under this number. A batch method takes several, for example
     /// 1,3, and fits them together
-    #[arg(long, value_name = "NUMBER", value_delimiter = ',', conflicts_with_all = ["from", "to"])]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true, value_parser = manoeuvres, value_delimiter = ',', conflicts_with_all = ["from", "to"])]
     pub(crate) segment: Vec<usize>,
     /// The truth to compare with, where the flight was simulated: the scenario (a file, or the name of a built-in one),
     /// or single values, for example `--truth dCm_alpha=-0.2 --truth dCm_q=-2`. The estimator does not see it

@@ -10,6 +10,7 @@ use super::delivery::Delivery;
 use super::estimate::FlowAngleSource;
 use super::help::examples_and_exit_codes;
 use super::method::method;
+use super::number::whole;
 
 /// Judges the estimates on foreign flights: aircraft of another simulator, recorded as a stranger would, with the truth
 /// beside each record
@@ -38,7 +39,7 @@ pub(crate) struct Field {
     #[arg(long, value_name = "TEXT")]
     pub(crate) only: Vec<String>,
     /// Number of flights with a physical error put in, for the first method
-    #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=1_000_000))]
+    #[arg(long, default_value_t = 0, allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(0..=1_000_000))]
     pub(crate) faults: u32,
     /// Let a batch method take all noise for Gaussian, so that an outlier counts with the square of its residual. Without
     /// this a value counts the less the further from the model it is, or is left out where it stands alone
@@ -54,15 +55,15 @@ pub(crate) struct Field {
     /// Draw errors from what the model files declare instead (`[uncertainty]`), and ask whether the bounds hold them: this
     /// number of flights without errors, with all of them, and with those of each quantity, for the first method
     #[arg(long, value_name = "N", conflicts_with_all = ["faults", "gaussian", "structure_study"],
-          value_parser = clap::value_parser!(u32).range(1..=100_000))]
+          allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub(crate) drawn_errors: Option<u32>,
     /// With --drawn-errors: number of flights in which each error is tried by itself, to see whether the largest contributor
     /// is named
-    #[arg(long, value_name = "N", default_value_t = 0, requires = "drawn_errors")]
+    #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true, requires = "drawn_errors")]
     pub(crate) ranked: u32,
     /// Put all errors that the model files declare (`[uncertainty]`) into every flight, drawn from this seed: what is found of damage,
     /// and what is called converged, with errors that leave no trace in residuals
-    #[arg(long, value_name = "SEED", conflicts_with_all = ["structure_study", "drawn_errors"])]
+    #[arg(long, value_name = "SEED", allow_negative_numbers = true, value_parser = whole::<u64>, conflicts_with_all = ["structure_study", "drawn_errors"])]
     pub(crate) with_drawn: Option<u64>,
     /// Take in what a flight itself says of declared errors, as `learn = true` under `[uncertainty]` of a model file does
     #[arg(long)]

@@ -53,7 +53,7 @@ pub(crate) struct Estimating {
     #[arg(long, value_name = "FILE.csv")]
     pub(crate) flights: Option<PathBuf>,
     /// Number of threads; each holds one log in memory [default: one per core]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=4096))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..=4096))]
     pub(crate) workers: Option<u16>,
     /// The i-th of n parts of the logs, for arrays of jobs on several machines with one store
     #[arg(long, value_name = "i/n", default_value_t)]
@@ -192,7 +192,7 @@ pub(crate) struct Analyses {
 #[derive(Debug, Args)]
 pub(crate) struct Asking {
     /// Part of the findings that may be false, 0 to 1 (false-discovery rate)
-    #[arg(long, value_name = "PART", default_value_t = 0.05)]
+    #[arg(long, value_name = "PART", allow_negative_numbers = true, value_parser = part, default_value_t = 0.05)]
     pub(crate) false_discoveries: f64,
     /// Only results of this model (its name, or the first digits of its hash), method or version; may be repeated
     #[arg(long, value_name = "WORD")]
@@ -233,5 +233,12 @@ impl Asking {
             OverWord::Hours => Over::Hours,
         };
         Question { false_discoveries: self.false_discoveries, only: self.only.clone(), over }
+    }
+}
+
+fn part(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if (0.0..=1.0).contains(&value) => Ok(value),
+        _ => Err("write a part between 0 and 1, as in 0.05".to_owned()),
     }
 }

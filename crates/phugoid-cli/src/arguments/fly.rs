@@ -9,6 +9,7 @@ use phugoid_recovery::flight::Control;
 
 use super::help::examples_and_exit_codes;
 use super::method::causal_method;
+use super::number::whole;
 
 /// Flies a damaged aircraft in closed loop: identified in flight, with gains from the estimate and its bounds
 #[derive(Debug, Args)]
@@ -38,10 +39,10 @@ pub(crate) struct Fly {
     #[arg(long)]
     pub(crate) no_excitation: bool,
     /// Seed of all random numbers, instead of the one in the scenario; of `--damage` the first seed of the study
-    #[arg(long, value_name = "NUMBER")]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true, value_parser = whole::<u64>)]
     pub(crate) seed: Option<u64>,
     /// Put the damage of this number, counted from 0, of `phugoid study recovery` into the scenario
-    #[arg(long, value_name = "NUMBER")]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true, value_parser = whole::<usize>)]
     pub(crate) damage: Option<usize>,
     /// Folder for the page, flight.html
     #[arg(long, value_name = "DIR", default_value = "phugoid-fly")]

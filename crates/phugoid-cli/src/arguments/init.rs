@@ -7,6 +7,7 @@ use phugoid_flight_data::quantity::Dimension;
 use phugoid_identification::draft::{AircraftClass, Answers, DraftedAxes};
 
 use super::help::examples_and_exit_codes;
+use super::number::is_above_zero;
 use super::reading::{Reading, flight};
 
 /// Begins a model file for the aircraft of a flight
@@ -49,34 +50,34 @@ pub(crate) struct AircraftAnswers {
     #[arg(long, value_enum)]
     axes: Option<AxesName>,
     /// Mass in flight, for example 1034kg or 2280lb
-    #[arg(long, value_parser = mass)]
+    #[arg(long, allow_hyphen_values = true, value_parser = mass)]
     pub(crate) mass: Option<f64>,
     /// Wing reference area, for example 16.2m^2
-    #[arg(long, value_name = "AREA", value_parser = area)]
+    #[arg(long, value_name = "AREA", allow_hyphen_values = true, value_parser = area)]
     pub(crate) wing_area: Option<f64>,
     /// Wing span, for example 10.9m
-    #[arg(long, value_name = "LENGTH", value_parser = length)]
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true, value_parser = size)]
     pub(crate) wing_span: Option<f64>,
     /// Mean aerodynamic chord [default: area over span]
-    #[arg(long, value_name = "LENGTH", value_parser = length)]
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true, value_parser = size)]
     mean_chord: Option<f64>,
     /// Length of the fuselage; only estimated moments of inertia need it [default: typical of the class]
-    #[arg(long, value_parser = length)]
+    #[arg(long, allow_hyphen_values = true, value_parser = size)]
     length: Option<f64>,
     /// Moment of inertia about body x, for example 948slug*ft^2 [default: estimated by class and size]
-    #[arg(long, value_name = "INERTIA", value_parser = inertia)]
+    #[arg(long, value_name = "INERTIA", allow_hyphen_values = true, value_parser = moment_of_inertia)]
     ixx: Option<f64>,
     /// Moment of inertia about body y [default: estimated by class and size]
-    #[arg(long, value_name = "INERTIA", value_parser = inertia)]
+    #[arg(long, value_name = "INERTIA", allow_hyphen_values = true, value_parser = moment_of_inertia)]
     iyy: Option<f64>,
     /// Moment of inertia about body z [default: estimated by class and size]
-    #[arg(long, value_name = "INERTIA", value_parser = inertia)]
+    #[arg(long, value_name = "INERTIA", allow_hyphen_values = true, value_parser = moment_of_inertia)]
     izz: Option<f64>,
     /// Product of inertia, the integral of x z dm [default: 0]
     #[arg(long, value_name = "INERTIA", value_parser = inertia, allow_hyphen_values = true)]
     ixz: Option<f64>,
     /// Constant thrust, for example 1200N [default: recorded, 0 of a glider, else from a typical lift over drag]
-    #[arg(long, value_name = "FORCE", value_parser = force)]
+    #[arg(long, value_name = "FORCE", allow_hyphen_values = true, value_parser = force)]
     thrust: Option<f64>,
     /// Altitude of the flight, for example 5000ft, where the record has none
     #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true)]
@@ -165,11 +166,16 @@ fn quantity(dimension: Dimension, text: &str) -> Result<f64, String> {
 }
 
 pub(crate) fn mass(text: &str) -> Result<f64, String> {
-    quantity(Dimension::MASS, text)
+    is_above_zero(quantity(Dimension::MASS, text)?)
 }
 
 pub(crate) fn area(text: &str) -> Result<f64, String> {
-    quantity(Dimension::AREA, text)
+    is_above_zero(quantity(Dimension::AREA, text)?)
+}
+
+/// A length of the aircraft.
+pub(crate) fn size(text: &str) -> Result<f64, String> {
+    is_above_zero(length(text)?)
 }
 
 pub(crate) fn length(text: &str) -> Result<f64, String> {
@@ -182,6 +188,10 @@ pub(crate) fn angle(text: &str) -> Result<f64, String> {
 
 fn inertia(text: &str) -> Result<f64, String> {
     quantity(Dimension::INERTIA, text)
+}
+
+fn moment_of_inertia(text: &str) -> Result<f64, String> {
+    is_above_zero(inertia(text)?)
 }
 
 fn force(text: &str) -> Result<f64, String> {

@@ -29,7 +29,7 @@ pub(crate) struct Live {
     #[arg(long, value_name = "FILE")]
     pub(crate) replay: Option<PathBuf>,
     /// Speed of the replay: a factor of real time, or `max` for as fast as the computer can
-    #[arg(long, value_name = "FACTOR|max", default_value = "1", value_parser = speed, requires = "replay")]
+    #[arg(long, value_name = "FACTOR|max", default_value = "1", allow_negative_numbers = true, value_parser = speed, requires = "replay")]
     pub(crate) speed: Speed,
     #[command(flatten)]
     pub(crate) reading: Reading,
@@ -59,13 +59,13 @@ pub(crate) struct Live {
     pub(crate) record: Option<PathBuf>,
     /// Most that the recording may take, as in 500MB or 2GB, at least 4MB: it is written in parts, and the oldest are
     /// removed [default: no limit]
-    #[arg(long, value_name = "SIZE", conflicts_with = "no_record", value_parser = size)]
+    #[arg(long, value_name = "SIZE", conflicts_with = "no_record", allow_hyphen_values = true, value_parser = size)]
     pub(crate) record_limit: Option<u64>,
     /// Do not record the received data
     #[arg(long)]
     pub(crate) no_record: bool,
     /// How long a MAVLink sample waits for earlier messages that are still missing, in milliseconds; 0 does not wait
-    #[arg(long, value_name = "MS", default_value_t = 4.0, value_parser = window)]
+    #[arg(long, value_name = "MS", default_value_t = 4.0, allow_negative_numbers = true, value_parser = window)]
     pub(crate) reorder_ms: f64,
     /// Use this sender only: its address, as in 10.0.0.7 or 10.0.0.7:14550 [default: the first that gives a sample]
     #[arg(long, value_name = "HOST[:PORT]")]
@@ -74,7 +74,7 @@ pub(crate) struct Live {
     #[arg(long, value_name = "FILE")]
     pub(crate) mavlink_key: Option<PathBuf>,
     /// Listen to this MAVLink system only
-    #[arg(long, value_name = "ID")]
+    #[arg(long, value_name = "ID", allow_negative_numbers = true)]
     pub(crate) system: Option<u8>,
     /// The MAVLink message that gives the samples their times, for example ATTITUDE
     #[arg(long, value_name = "MESSAGE")]

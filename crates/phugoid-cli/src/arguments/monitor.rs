@@ -28,7 +28,7 @@ pub(crate) struct Monitor {
     #[arg(long, value_name = "EXPECTED.toml")]
     pub(crate) expected: Option<PathBuf>,
     /// Accepted false alarms per flight hour [default: 0.01]
-    #[arg(long, value_name = "NUMBER", value_parser = rate)]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true, value_parser = rate)]
     pub(crate) false_alarms_per_hour: Option<f64>,
     #[command(flatten)]
     pub(crate) reading: Reading,

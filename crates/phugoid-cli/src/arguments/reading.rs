@@ -10,6 +10,7 @@ use phugoid_flight_data::reader::ReadOptions;
 use phugoid_flight_data::record::{Record, time_of_day};
 use phugoid_simulation::quantity::{QuantityError, Time};
 
+use super::number::above_zero;
 use crate::failure::Failure;
 
 /// The help text of a flight that is read: the formats that this build knows by their content.
@@ -40,14 +41,14 @@ fn variable() -> String {
 pub(crate) struct Reading {
     /// The most memory that reading a flight may take; a flight that needs more is refused, and the message says how
     /// much
-    #[arg(long, value_name = "SIZE", default_value_t = Memory::default())]
+    #[arg(long, value_name = "SIZE", allow_hyphen_values = true, default_value_t = Memory::default())]
     pub(crate) max_memory: Memory,
     /// Names and units of the columns in the order of the file, for a table without a header line or in place of it:
     /// `time_s,alpha_deg,elevator_deg`. Parquet, Arrow and logs name their columns themselves
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     pub(crate) columns: Vec<String>,
     /// Time from one row to the next, such as 0.02s, for a table without times or with bad ones: the rows are counted
-    #[arg(long, value_name = "TIME")]
+    #[arg(long, value_name = "TIME", allow_hyphen_values = true, value_parser = above_zero::<Time>)]
     pub(crate) sample_time: Option<Time>,
     /// The table to read of a file with several.
     #[arg(long, value_name = "NAME", help = variable())]

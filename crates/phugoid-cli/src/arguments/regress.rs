@@ -8,6 +8,7 @@ use phugoid_identification::term::Coefficient;
 
 use super::delivery::Delivery;
 use super::help::examples_and_exit_codes;
+use super::number::{manoeuvre, positive};
 use super::reading::{Deleting, Moment, Reading, flight};
 
 /// Selects the terms of a coefficient from a recorded flight: multivariate orthogonal functions or modified stepwise
@@ -39,7 +40,7 @@ pub(crate) struct Regress {
     #[arg(long, value_name = "TERMS", allow_hyphen_values = true)]
     pub(crate) candidates: Option<String>,
     /// All products of the plain candidates up to this power are candidates too [default: 2; with --candidates 1]
-    #[arg(long, value_name = "POWER", value_parser = clap::value_parser!(u32).range(1..=9))]
+    #[arg(long, value_name = "POWER", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=9))]
     pub(crate) up_to: Option<u32>,
     /// What ends the selection: the smallest predicted square error (pse), the smallest mean square of residuals predicted
     /// without their own rows (press), or the partial F (f). Whichever it is, a term needs the F to remove at the end
@@ -47,10 +48,10 @@ pub(crate) struct Regress {
     pub(crate) criterion: Criterion,
     /// Partial F, corrected for residuals that last, that a term needs to be taken in [default: the value that needless terms
     /// reach in one flight of a hundred]
-    #[arg(long, value_name = "F")]
+    #[arg(long, value_name = "F", allow_negative_numbers = true, value_parser = positive)]
     pub(crate) f_to_enter: Option<f64>,
     /// Partial F that a term needs to stay [default: the F to enter]
-    #[arg(long, value_name = "F")]
+    #[arg(long, value_name = "F", allow_negative_numbers = true, value_parser = positive)]
     pub(crate) f_to_remove: Option<f64>,
     /// Begin at this time of the record, for example 12s, or when its clock shows this time of day, for example 10:15:31
     #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
@@ -59,7 +60,7 @@ pub(crate) struct Regress {
     #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     pub(crate) to: Option<Moment>,
     /// Use only the manoeuvre that `phugoid inspect` lists under this number
-    #[arg(long, value_name = "NUMBER", conflicts_with_all = ["from", "to"])]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true, value_parser = manoeuvre, conflicts_with_all = ["from", "to"])]
     pub(crate) segment: Option<usize>,
     #[command(flatten)]
     pub(crate) reading: Reading,

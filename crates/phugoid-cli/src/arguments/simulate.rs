@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::help::examples_and_exit_codes;
+use super::number::whole;
 
 /// Simulates a flight and writes the measured signals and the true ones
 #[derive(Debug, Args)]
@@ -24,7 +25,7 @@ pub(crate) struct Simulate {
     #[arg(long, conflicts_with = "list")]
     pub(crate) show: bool,
     /// Seed of all random numbers, instead of the one in the scenario
-    #[arg(long, value_name = "NUMBER")]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true, value_parser = whole::<u64>)]
     pub(crate) seed: Option<u64>,
     /// Folder for measured.csv and truth.csv
     #[arg(long, value_name = "DIR", default_value = "phugoid-flight")]

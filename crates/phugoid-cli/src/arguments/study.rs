@@ -8,6 +8,7 @@ use super::delivery::Delivery;
 use super::help::examples_and_exit_codes;
 use super::keeping::Keeping;
 use super::method::method;
+use super::number::whole;
 
 /// Measures estimators on many simulated flights: errors against the Cramer-Rao bound, and detection of changes and
 /// failures
@@ -27,7 +28,7 @@ pub(crate) struct Study {
     #[arg(value_enum)]
     pub(crate) study: StudyName,
     /// Number of runs, each with its own noise
-    #[arg(long, default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    #[arg(long, default_value_t = 200, allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub(crate) runs: u32,
     /// Scenario of the studies `accuracy` and `recovery`: a file, or the name of a built-in one
     #[arg(long, required_if_eq("study", "accuracy"))]
@@ -40,7 +41,7 @@ pub(crate) struct Study {
     #[arg(long, value_parser = method())]
     pub(crate) method: Option<Method>,
     /// Seed of the first damage of the study `recovery`
-    #[arg(long, value_name = "NUMBER")]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true, value_parser = whole::<u64>)]
     pub(crate) seed: Option<u64>,
     /// Time at which the study `accuracy` compares the estimates, for example 5s; may be repeated [default: the end]
     #[arg(long, allow_hyphen_values = true, value_name = "TIME")]

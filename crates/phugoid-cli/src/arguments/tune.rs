@@ -6,6 +6,7 @@ use clap::{Args, ValueEnum};
 
 use super::help::examples_and_exit_codes;
 use super::keeping::Keeping;
+use super::number::whole;
 
 /// Chooses the settings of an estimator by a rule and by a search, and tests both on runs that the search does not use
 ///
@@ -38,13 +39,13 @@ pub(crate) struct Tune {
     #[arg(long, value_name = "AIRCRAFT.toml")]
     pub(crate) model: Option<String>,
     /// Runs of each scenario, each with its own true values and noise, for the search and for the test
-    #[arg(long, value_name = "NUMBER", default_value_t = 6, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    #[arg(long, value_name = "NUMBER", default_value_t = 6, allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub(crate) runs: u32,
     /// Number of sets of settings to try, including the rule's; the search tries whole generations
-    #[arg(long, value_name = "EVALUATIONS", default_value_t = 180, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    #[arg(long, value_name = "EVALUATIONS", default_value_t = 180, allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub(crate) budget: u32,
     /// Seed of the search
-    #[arg(long, value_name = "NUMBER", default_value_t = 1)]
+    #[arg(long, value_name = "NUMBER", default_value_t = 1, allow_negative_numbers = true, value_parser = whole::<u64>)]
     pub(crate) seed: u64,
     /// Write the state of the search to this file after every generation, and continue from it if the file exists
     #[arg(long, value_name = "FILE")]

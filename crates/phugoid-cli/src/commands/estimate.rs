@@ -347,6 +347,11 @@ pub(super) fn between(record: Record, from: Option<Moment>, to: Option<Moment>) 
     }
     let from = from.map(|moment| moment.of(&record, "--from")).transpose()?;
     let to = to.map(|moment| moment.of(&record, "--to")).transpose()?;
+    if let (Some(from), Some(to)) = (from, to)
+        && to < from
+    {
+        return Err(Failure::input(format!("--from {from} s is after --to {to} s: the part ends before it begins")));
+    }
     record.between(from.unwrap_or(f64::NEG_INFINITY), to.unwrap_or(f64::INFINITY)).ok_or_else(|| {
         let ends = record.time.first().zip(record.time.last());
         let span = ends.map_or_else(String::new, |(a, b)| format!(": the record runs from {a} s to {b} s"));

@@ -110,7 +110,7 @@ fn ask(question: &Question, answers: &mut Answers) -> Result<(), Failure> {
     let (parse, slot, example): (Parse, _, _) = match question.key {
         "mass" => (init::mass, &mut answers.mass_kg, "1034 kg"),
         "wing_area" => (init::area, &mut answers.wing_area_m2, "16.2 m^2"),
-        "wing_span" => (init::length, &mut answers.wing_span_m, "10.9 m"),
+        "wing_span" => (init::size, &mut answers.wing_span_m, "10.9 m"),
         "elevator_travel" => (init::angle, &mut answers.elevator_travel_rad, "-20 deg"),
         "aileron_travel" => (init::angle, &mut answers.aileron_travel_rad, "20 deg"),
         "rudder_travel" => (init::angle, &mut answers.rudder_travel_rad, "25 deg"),

@@ -40,6 +40,51 @@ fn quantities_need_their_units() {
     phugoid(&folder.0, &["study", "calm-air", "--runs", "0"]).fails(2);
 }
 
+/// A value is refused for what is wrong with it, and not as an option that nobody knows.
+#[test]
+fn negative_values_are_refused_with_the_reason() {
+    let folder = Folder::new("negative");
+    folder.file("flight.csv", "time_s,alpha_deg,q_deg_s\n0,1,1\n0.1,2,1\n0.2,1,1\n");
+    let estimate = ["estimate", "flight.csv", "--model", "f16"];
+    let init = ["init", "flight.csv", "--class", "drone"];
+    let told = |command: &[&str], option: &[&str], reason: &str| {
+        let run = phugoid(&folder.0, &[command, option].concat());
+        let message = run.fails(2);
+        assert!(message.contains(reason) && !message.contains("use '-- -"), "{option:?}: {message}");
+    };
+    told(&["simulate", "f16-doublet"], &["--seed", "-1"], "write a whole number, 0 or more");
+    told(&[], &["--seed", "-1"], "write a whole number, 0 or more");
+    told(&["study", "calm-air"], &["--runs", "-1"], "-1 is not in 1..");
+    told(&["compare", "calm"], &["--cycle", "-4s"], "it must be above zero");
+    told(&estimate, &["--sample-time", "-1s"], "it must be above zero");
+    told(&estimate, &["--sample-time", "0s"], "it must be above zero");
+    told(&estimate, &["--max-memory", "-1MB"], "'-1MB' is no amount of memory");
+    told(&estimate, &["--segment", "-1"], "write the number of a manoeuvre");
+    told(&init, &["--mass", "-7472kg"], "it must be above zero");
+    told(&init, &["--wing-span", "-2m"], "it must be above zero");
+    told(&init, &["--iyy", "-2kg*m^2"], "it must be above zero");
+    // An option behind one without its value is not taken for the value in silence.
+    told(&["init", "flight.csv"], &["--mass", "--class"], "`--class` does not start with a number");
+    phugoid(&folder.0, &[&init[..], &["--mass", "--out", "model.toml"]].concat()).fails(2);
+    told(&["simulate", "f16-doublet"], &["--seed", "--json"], "a value is required for '--seed <NUMBER>'");
+    assert_eq!(std::fs::read_dir(&folder.0).unwrap().count(), 1);
+}
+
+#[test]
+fn what_names_a_part_of_a_record_is_said() {
+    let folder = Folder::new("part");
+    folder.file("flight.csv", "time_s,alpha_deg,q_deg_s\n0,1,1\n0.1,2,1\n0.2,1,1\n");
+    let estimate = ["estimate", "flight.csv", "--model", "f16"];
+    for segment in ["1-2", "x", "1;2"] {
+        let run = phugoid(&folder.0, &[&estimate[..], &["--segment", segment]].concat());
+        let message = run.fails(2);
+        assert!(message.contains("as `phugoid inspect` lists them") && message.contains("as in 1,3"), "{message}");
+    }
+    let run = phugoid(&folder.0, &[&estimate[..], &["--from", "40s", "--to", "12s"]].concat());
+    let message = run.fails(3);
+    assert!(message.contains("--from 40 s is after --to 12 s: the part ends before it begins"), "{message}");
+}
+
 #[test]
 fn a_flight_that_needs_more_memory_than_it_may_take_is_told_so() {
     let folder = Folder::new("memory");
