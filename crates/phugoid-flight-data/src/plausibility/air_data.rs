@@ -1,6 +1,6 @@
 //! Checks of airspeed, pressure and altitude against each other and against the motion.
 
-use super::accelerations::{bank, gravity_across_path, nose_rate};
+use super::accelerations::{GRAVITY, bank, gravity_across_path, nose_rate};
 use super::doubt::{Certainty, Doubts};
 use super::robust::{Fit, fit, magnitude, median_of_finite, regress, windows};
 use crate::wording::Short;
@@ -178,5 +178,72 @@ pub(super) fn turning(doubts: &mut Doubts) {
             Short(slope)
         );
         doubts.add(&["true_airspeed"], Certainty::Doubtful, message);
+    }
+}
+
+/// Checks the airspeed by the sideways turning of the flight path: `V (beta' + r cos a - p sin a) = ay + g sin phi cos theta`, of a flight of which
+/// the lateral motion alone may have been recorded; an attitude or an angle of attack that is missing counts as zero.
+pub(super) fn turning_sideways(doubts: &mut Doubts) {
+    let names = ["true_airspeed", "beta", "phi", "p", "r", "ay"];
+    let [Some(speed), Some(beta), Some(phi), Some(p), Some(r), Some(ay)] = names.map(|name| doubts.values(name)) else {
+        return;
+    };
+    if doubts.any(&names) {
+        return;
+    }
+    let known = |name| doubts.values(name).filter(|_| !doubts.any(&[name]));
+    let (alpha, theta) = (known("alpha"), known("theta"));
+    let at = |values: Option<&[f64]>, k: usize| values.map(|v| v[k]).filter(|v| v.is_finite()).unwrap_or(0.0);
+    let Some(typical) = median_of_finite(speed.iter().copied()) else { return };
+    let force = |k: usize| ay[k] + GRAVITY * phi[k].sin() * at(theta, k).cos();
+    let yawing = |k: usize| {
+        let (sin, cos) = at(alpha, k).sin_cos();
+        r[k] * cos - p[k] * sin
+    };
+    let forces = windows(doubts.time(), beta, force, 1.0);
+    let turning = windows(doubts.time(), beta, yawing, 1.0);
+    let pairs = forces.iter().zip(&turning).map(|((change, force), (_, yaw))| (*force, typical * (change + yaw)));
+    let Some(found) = regress(&pairs.collect::<Vec<_>>()) else { return };
+    if found.together(0.9) && !(0.62..=1.6).contains(&found.slope) {
+        let message = format!(
+            "does not fit bank and side force, which turn the path {} times as fast as it allows: a speed in ft/s read as m/s \
+             gives 0.30, one in knots 0.51. Check the units of true_airspeed, beta, r and ay",
+            Short(found.slope)
+        );
+        doubts.add(&["true_airspeed"], Certainty::Doubtful, message);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::record::Record;
+
+    /// Rolling to both sides without sideslip at 120 m/s: the gravity turns the path. The airspeed as it is read.
+    fn rolling(read: f64) -> Vec<String> {
+        let time: Vec<f64> = (0..800).map(|k| 0.05 * f64::from(k)).collect();
+        let phi: Vec<f64> = time.iter().map(|t| 0.4 * (0.7 * t).sin()).collect();
+        let p = time.iter().map(|t| 0.28 * (0.7 * t).cos()).collect();
+        let r = phi.iter().map(|phi| 9.81 * phi.sin() / 120.0).collect();
+        let [beta, ay] = [0.0, 1e-3].map(|size| time.iter().map(|t| size * (3.0 * t).sin()).collect::<Vec<f64>>());
+        let columns = [
+            ("true_airspeed_m_s", vec![read; 800]),
+            ("beta_rad", beta),
+            ("phi_rad", phi),
+            ("p_rad_s", p),
+            ("r_rad_s", r),
+            ("ay_m_s2", ay),
+            ("time_s", time),
+        ];
+        let record = Record::from_columns("test", columns).unwrap();
+        super::super::check(&record).iter().map(ToString::to_string).collect()
+    }
+
+    #[test]
+    fn knots_of_a_lateral_flight_are_noticed() {
+        assert_eq!(rolling(120.0), [] as [&str; 0]);
+        for (read, slope) in [(233.0, "0.51"), (394.0, "0.30")] {
+            let found = rolling(read);
+            assert!(found.len() == 1 && found[0].contains(&format!("turn the path {slope}")), "{found:?}");
+        }
     }
 }

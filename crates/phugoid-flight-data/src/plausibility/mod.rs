@@ -52,6 +52,7 @@ pub fn check(record: &Record) -> Vec<Doubt> {
     air_data::density(&mut doubts);
     air_data::climb(&mut doubts);
     air_data::turning(&mut doubts);
+    air_data::turning_sideways(&mut doubts);
     air_data::ground_speed(&mut doubts);
     time::step(&mut doubts);
     flow_angles::alpha(&mut doubts);
