@@ -17,7 +17,7 @@ use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::fmt::Write as _;
 
-use super::identified::{ExportError, Exported, Identified};
+use super::identified::{ExportError, Exported, Identified, in_comment};
 use crate::core::term::{Coefficient, Variable};
 use crate::model_file::{RateSpeed, ReferenceValue};
 
@@ -130,13 +130,12 @@ pub fn gazebo(identified: &Identified<'_>) -> Result<Exported, ExportError> {
                 look at `Cem =` in AdvancedLiftDrag.cc of yours"
             .to_owned(),
     );
-    let words = |text: &str| text.replace("--", "- -");
-    let lines: String = notes.iter().map(|note| format!("     {}\n", words(note))).collect();
+    let lines: String = notes.iter().map(|note| format!("     {}\n", in_comment(note))).collect();
     let mut text = format!(
         "<!-- {}, identified by Phugoid: {}\n{lines}-->\n<plugin filename=\"gz-sim-advanced-lift-drag-system\" \
          name=\"gz::sim::systems::AdvancedLiftDrag\">\n",
-        words(&identified.model.name),
-        words(&identified.origin)
+        in_comment(&identified.model.name),
+        in_comment(&identified.origin)
     );
     text.push_str(&elements.0);
     // Writing to a string cannot fail.

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use phugoid_aircraft::xml::escaped;
 use phugoid_flight_data::statistics::median;
 
 use crate::core::estimation::Estimation;
@@ -165,5 +166,34 @@ fn given(reference: ReferenceValue) -> f64 {
     match reference {
         ReferenceValue::Given(value) => value,
         ReferenceValue::Trim | ReferenceValue::FirstSample => 0.0,
+    }
+}
+
+/// A text as it stands in a comment of XML, where two hyphens in a row would end the comment.
+pub(super) fn in_comment(text: &str) -> String {
+    // Of three hyphens the first replacement leaves two that stand together.
+    escaped(text).replace("--", "- -").replace("--", "- -")
+}
+
+#[cfg(test)]
+mod tests {
+    use phugoid_aircraft::xml;
+
+    use super::super::{gazebo, jsbsim};
+    use super::*;
+
+    /// A name may hold what XML has no place for: the files are well-formed all the same, and say the rest of the name.
+    #[test]
+    fn a_name_with_control_characters_gives_well_formed_files() {
+        let mut model = ModelFile::named("hfb320").unwrap();
+        model.name = "a \u{1b}[31m \u{0}<jet> & --- more\u{7}".to_owned();
+        for write in [gazebo, jsbsim] {
+            let text = write(&Identified::start(&model)).unwrap().text;
+            let whole = format!("<file>{text}</file>");
+            let document = xml::parse(&whole).unwrap_or_else(|error| panic!("{error}\n{text}"));
+            let comments = document.root_element().descendants().filter(|node| node.is_comment());
+            let said = comments.filter_map(|node| node.text()).any(|said| said.contains("- - - more"));
+            assert!(said && !text.contains(|c: char| c.is_control() && c != '\n'), "{text}");
+        }
     }
 }

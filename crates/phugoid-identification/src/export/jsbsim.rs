@@ -13,7 +13,7 @@
 
 use std::fmt::Write as _;
 
-use super::identified::{ExportError, Exported, Identified, Valued};
+use super::identified::{ExportError, Exported, Identified, Valued, in_comment};
 use crate::core::term::{Bend, Coefficient, Variable};
 use crate::model_file::RateSpeed;
 
@@ -226,15 +226,13 @@ fn notes(identified: &Identified<'_>, present: &[Coefficient]) -> Vec<String> {
 }
 
 fn head(identified: &Identified<'_>, notes: &[String]) -> String {
-    // Two hyphens in a row would end a comment.
-    let words = |text: &str| text.replace("--", "- -");
     let mut text = format!(
         "  <!-- {}, identified by Phugoid: {}\n       Derivatives per radian; their numbers have no unit.\n",
-        words(&identified.model.name),
-        words(&identified.origin)
+        in_comment(&identified.model.name),
+        in_comment(&identified.origin)
     );
     for note in notes {
-        let _ = writeln!(text, "       {}", words(note));
+        let _ = writeln!(text, "       {}", in_comment(note));
     }
     text.push_str("  -->\n  <aerodynamics>\n");
     text
