@@ -69,6 +69,9 @@ pub fn trim<A: Aircraft>(aircraft: &A, condition: &TrimCondition) -> Result<Trim
     check(condition, aircraft.atmosphere())?;
     within_tables(aircraft, condition)?;
     let problem = Problem::new(aircraft, condition);
+    if let Some(refusal) = problem.no_turn() {
+        return Err(refusal);
+    }
     let mut mildest: Option<(f64, TrimError)> = None;
     let mut closest: Option<Solution> = None;
     for start in STARTS_DEG {

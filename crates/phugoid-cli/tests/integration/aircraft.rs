@@ -45,6 +45,26 @@ fn a_model_file_trims_where_its_coefficients_say() {
     // A model of the longitudinal axes has no lateral modes to print.
     let run = phugoid(&folder.0, &[["linearize", "--aircraft", "hfb320"].as_slice(), &LEVEL].concat());
     assert!(run.out.contains("short period") && !run.out.contains("Lateral"), "{}", run.out);
+
+    // And nothing that would turn it.
+    for command in ["trim", "linearize"] {
+        let turning = [&[command, "--aircraft", "hfb320", "--turn-rate", "3deg/s"], &LEVEL[..]].concat();
+        let run = phugoid(&folder.0, &turning);
+        let message = run.fails(1);
+        assert!(
+            message.contains("no turn of 3.0000 deg/s") && message.contains("longitudinal axes alone"),
+            "{message}"
+        );
+    }
+    let run = phugoid(&folder.0, &["trim", "--turn-rate", "3deg/s", LEVEL[0], LEVEL[1], "--speed", "200m/s"]);
+    assert_eq!(run.code, Some(0), "{}", run.err);
+}
+
+#[test]
+fn a_speed_without_sense_is_refused_with_the_range() {
+    let folder = Folder::new("aircraft-speed");
+    let run = phugoid(&folder.0, &["trim", "--altitude", "1km", "--speed", "1e300m/s"]);
+    assert!(run.fails(1).contains("speed is 1e300, expected above 0 and at most 12000 m/s"), "{}", run.err);
 }
 
 #[test]

@@ -12,7 +12,7 @@ use crate::increments::Increments;
 /// The steady flight asked for. Still air.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrimCondition {
-    /// True airspeed, m/s; a positive number.
+    /// True airspeed, m/s; above zero and at most 12,000 m/s.
     pub speed: f64,
     /// Altitude above sea level, m; from -1000 m to 25,000 m in the air of the book, to 84,852 m in the standard atmosphere.
     pub altitude: f64,
@@ -154,11 +154,16 @@ fn altitudes(atmosphere: Atmosphere) -> (RangeInclusive<f64>, &'static str) {
     }
 }
 
+/// Highest speed, m/s: a little more than the 11,200 m/s with which a body leaves the earth. Far beyond it the squares of the
+/// speed are no numbers any more.
+const FASTEST: f64 = 12_000.0;
+
 pub(super) fn check(c: &TrimCondition, atmosphere: Atmosphere) -> Result<(), TrimError> {
     let (altitudes, which) = altitudes(atmosphere);
     let [low, high] = c.alpha_range;
     for (field, value, valid, expected) in [
         ("speed", c.speed, c.speed > 0.0, "a positive number, m/s"),
+        ("speed", c.speed, c.speed <= FASTEST, "above 0 and at most 12000 m/s: check its number and its unit"),
         ("altitude", c.altitude, altitudes.contains(&c.altitude), which),
         ("flight_path_angle", c.flight_path_angle, c.flight_path_angle.abs() < 1.5, "between -1.5 and 1.5 rad"),
         ("turn_rate", c.turn_rate, true, "a number, rad/s"),

@@ -1,10 +1,15 @@
 //! Why there is no steady flight.
 
+/// A number as it is, but with an exponent where it would have tens of digits.
+fn readable(value: f64) -> String {
+    if value.is_finite() && value.abs() >= 1e15 { format!("{value:e}") } else { value.to_string() }
+}
+
 /// Why there is no steady flight. Numbers are those of the equilibrium that was found without the limit.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum TrimError {
     /// A number of the condition makes no sense.
-    #[error("trim: {field} is {value}, expected {expected}")]
+    #[error("trim: {field} is {}, expected {expected}", readable(*value))]
     Condition {
         /// Name of the field of the condition that is out of its range.
         field: &'static str,
@@ -25,6 +30,16 @@ pub enum TrimError {
         available_n: f64,
         /// Angle of attack of the equilibrium, rad.
         alpha_rad: f64,
+    },
+    /// A turn is asked for of an aircraft that has no side force and no rolling or yawing moment.
+    #[error(
+        "trim: no turn of {:.4} deg/s: nothing rolls this aircraft, yaws it or pushes it to the side, so that it flies straight \
+         ahead, as every model of the longitudinal axes alone does. Leave the turn rate out, or give the aircraft the \
+         coefficients CY, Cl and Cn", turn_rate_rad_s.to_degrees()
+    )]
+    NoTurn {
+        /// Rate of the heading that was asked for, rad/s.
+        turn_rate_rad_s: f64,
     },
     /// Less thrust is needed than the engine gives at idle.
     #[error(

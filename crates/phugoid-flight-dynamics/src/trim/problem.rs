@@ -22,6 +22,8 @@ pub(super) struct Problem<'a, A> {
     excess: [f64; 3],
     /// Whether the rudder moves anything: without it, nothing could make the side force vanish.
     has_rudder: bool,
+    /// Whether sideslip, aileron or rudder makes a side force, a rolling or a yawing moment: without one, no turn is steered.
+    moves_sideways: bool,
 }
 
 /// Where the solver has come to.
@@ -47,11 +49,21 @@ impl<'a, A: Aircraft> Problem<'a, A> {
         let inverse_mass = aircraft.mass_properties().inverse_mass();
         let excess = core::array::from_fn(|i| (full[i] - idle[i]) * inverse_mass);
         let disturbance = Disturbance { increments: condition.increments, ..Disturbance::default() };
-        let mut problem = Self { aircraft, condition, disturbance, excess, has_rudder: true };
+        let mut problem = Self { aircraft, condition, disturbance, excess, has_rudder: true, moves_sideways: true };
         let start = problem.start(STARTS_DEG[0].to_radians());
         let moved = problem.residuals::<Dual<UNKNOWNS>>(&core::array::from_fn(|i| Dual::variable(start[i], i)));
         problem.has_rudder = moved.iter().any(|residual| residual.derivatives[UNKNOWNS - 1] != 0.0);
+        // Roll and yaw acceleration, and the side force that is felt, by sideslip, aileron and rudder.
+        let sideways = [3, 5, 7].into_iter().flat_map(|equation| [1, 6, 7].map(|by| moved[equation].derivatives[by]));
+        problem.moves_sideways = sideways.into_iter().any(|slope| slope != 0.0);
         problem
+    }
+
+    /// A turn that is asked for of an aircraft that only flies straight ahead. The equations have a solution all the same: with
+    /// no force across it, it would fall around the bend with sideslip.
+    pub(super) fn no_turn(&self) -> Option<TrimError> {
+        let turn_rate_rad_s = self.condition.turn_rate;
+        (turn_rate_rad_s != 0.0 && !self.moves_sideways).then_some(TrimError::NoTurn { turn_rate_rad_s })
     }
 
     fn state_and_controls<T: Scalar>(&self, z: &[T; UNKNOWNS]) -> (State<T>, Controls<T>) {

@@ -213,6 +213,13 @@ fn refusals_say_how_much_was_needed() {
     }
     let error = trim(&aircraft, &level(-5.0, 0.0)).unwrap_err();
     assert_eq!(error.to_string(), format!("trim: speed is {}, expected a positive number, m/s", -5.0 * FOOT));
+    // Squares of such a speed are infinite: nothing that is computed with it means anything.
+    for (speed, printed) in [(1e300, "1e300"), (20_000.0, "20000")] {
+        let error = trim(&aircraft, &TrimCondition::level(speed, 0.0)).unwrap_err().to_string();
+        let wanted =
+            format!("trim: speed is {printed}, expected above 0 and at most 12000 m/s: check its number and its unit");
+        assert_eq!(error, wanted);
+    }
 }
 
 #[test]
