@@ -113,7 +113,63 @@ pub enum FlightError {
     Turbulence(#[from] DrydenError),
     /// The simulation failed: the times make no grid, or the motion is not finite. The message says which.
     #[error("{0}")]
-    Simulation(#[from] SimulationError),
+    Simulation(#[from] LostFlight),
+}
+
+/// A flight that could not be simulated to its end.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub struct LostFlight {
+    /// What ended it.
+    pub error: SimulationError,
+    /// Where the surfaces were when the aircraft left what it has data for; none where it has not flown at all.
+    pub surface: Option<LostSurface>,
+}
+
+/// The surface that was deflected most when the aircraft left the range of its data.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LostSurface {
+    /// Its name, such as `elevator`.
+    pub name: &'static str,
+    /// Its deflection, rad.
+    pub position_rad: f64,
+    /// When the angle of attack or of sideslip left the range that the data cover, s; where it did not, the last sample.
+    pub time_s: f64,
+    /// The angle of attack then, rad.
+    pub alpha_rad: f64,
+}
+
+impl std::fmt::Display for LostFlight {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}", self.error)?;
+        let Some(LostSurface { name, position_rad, time_s, alpha_rad }) = self.surface else { return Ok(()) };
+        write!(
+            f,
+            ". At {time_s:.2} s, before it was lost, the {name} was at {:.1} deg and the angle of attack {:.1} deg: check the \
+             amplitudes of the manoeuvres and their units",
+            position_rad.to_degrees(),
+            alpha_rad.to_degrees()
+        )
+    }
+}
+
+impl LostFlight {
+    fn after(error: SimulationError, samples: &[TrajectorySample], range: &DataRange) -> Self {
+        let inside = |value: f64, [low, high]: [f64; 2]| (low..=high).contains(&value);
+        let leaves = |s: &&TrajectorySample| !inside(s.air.alpha, range.alpha) || !inside(s.air.beta, range.beta);
+        let surface = samples.iter().find(leaves).or(samples.last()).and_then(|sample| {
+            let Controls { elevator, aileron, rudder, .. } = sample.surfaces;
+            let surfaces = [("elevator", elevator), ("aileron", aileron), ("rudder", rudder)];
+            let (name, position_rad) = surfaces.into_iter().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
+            Some(LostSurface { name, position_rad, time_s: sample.time, alpha_rad: sample.air.alpha })
+        });
+        Self { error, surface }
+    }
+}
+
+impl From<SimulationError> for FlightError {
+    fn from(error: SimulationError) -> Self {
+        Self::Simulation(LostFlight { error, surface: None })
+    }
 }
 
 impl From<F16DataError> for FlightError {
@@ -357,7 +413,8 @@ fn trajectory<A: Aircraft>(
         course.run_control(commands);
         samples.push(course.sample(commands));
         if k + 1 < count {
-            course.advance(commands)?;
+            let flown = course.advance(commands);
+            flown.map_err(|error| LostFlight::after(error, &samples, &aircraft.data_range()))?;
         }
     }
     Ok((Trajectory { samples }, notes))

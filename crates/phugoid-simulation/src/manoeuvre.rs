@@ -194,6 +194,55 @@ impl Manoeuvre {
         }
     }
 
+    /// Its `type` in a scenario file.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Self::Doublet { .. } => "doublet",
+            Self::ThreeTwoOneOne { .. } => "3-2-1-1",
+            Self::Sine { .. } => "sine",
+            Self::Multistep { .. } => "multistep",
+            Self::Pilot { .. } => "pilot",
+            Self::Csv { .. } => "csv",
+            Self::Samples { .. } => "samples",
+        }
+    }
+
+    /// Time at which the command begins, s from the start of the flight.
+    pub fn start_s(&self) -> f64 {
+        match self {
+            Self::Doublet { start, .. }
+            | Self::ThreeTwoOneOne { start, .. }
+            | Self::Sine { start, .. }
+            | Self::Multistep { start, .. }
+            | Self::Pilot { start, .. } => start.si(),
+            Self::Csv { .. } | Self::Samples { .. } => 0.0,
+        }
+    }
+
+    /// Checks that each duration and frequency is positive: of a manoeuvre with another one nothing would be flown.
+    ///
+    /// # Errors
+    /// A sentence that names the entry.
+    pub(crate) fn check(&self) -> Result<(), String> {
+        let positive = |key: &str, value: f64, unit: &str| match value > 0.0 {
+            true => Ok(()),
+            false => Err(format!("`{key}` is {value} {unit}, and has to be more than zero: nothing would be flown")),
+        };
+        match self {
+            Self::Doublet { width, .. } => positive("width", width.si(), "s"),
+            Self::ThreeTwoOneOne { unit, .. } => positive("unit", unit.si(), "s"),
+            Self::Sine { frequency, duration, .. } => {
+                positive("frequency", frequency.si(), "Hz")?;
+                duration.map_or(Ok(()), |duration| positive("duration", duration.si(), "s"))
+            }
+            Self::Multistep { steps, .. } => {
+                steps.iter().try_for_each(|(duration, _)| positive("the duration of a step", duration.si(), "s"))
+            }
+            Self::Pilot { bandwidth, .. } => positive("bandwidth", bandwidth.si(), "Hz"),
+            Self::Csv { .. } | Self::Samples { .. } => Ok(()),
+        }
+    }
+
     /// Deflection from trim at each time (s, evenly spaced), rad. `folder` is where relative files are looked for.
     pub fn deflections(&self, time: &[f64], seed: u64, folder: &Path) -> Result<Vec<f64>, ScenarioError> {
         Ok(match self {

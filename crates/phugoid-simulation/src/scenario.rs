@@ -213,7 +213,7 @@ impl Scenario {
     /// # Errors
     /// [`ScenarioError`]: a manoeuvre that cannot be flown, such as a recorded input that cannot be read.
     pub fn deflections(&self) -> Result<[Vec<f64>; 3], ScenarioError> {
-        let time: Vec<f64> = (0..self.samples()).map(|k| k as f64 / self.sample_rate.si()).collect();
+        let time = self.times();
         let mut deflections = [vec![0.0; time.len()], vec![0.0; time.len()], vec![0.0; time.len()]];
         for manoeuvre in &self.manoeuvre {
             let added = manoeuvre.deflections(&time, self.seed, &self.folder)?;
@@ -221,6 +221,39 @@ impl Scenario {
             sum.iter_mut().zip(added).for_each(|(sum, added)| *sum += added);
         }
         Ok(deflections)
+    }
+
+    /// The times of the samples, s.
+    fn times(&self) -> Vec<f64> {
+        (0..self.samples()).map(|k| k as f64 / self.sample_rate.si()).collect()
+    }
+
+    /// The manoeuvres that move nothing in this flight, in sentences; empty without any.
+    ///
+    /// ```
+    /// use phugoid_simulation::scenario::Scenario;
+    /// let text = Scenario::named("f16-calm")?;
+    /// assert!(text.manoeuvres_without_effect()?.is_empty());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`deflections`](Self::deflections).
+    pub fn manoeuvres_without_effect(&self) -> Result<Vec<String>, ScenarioError> {
+        let (time, mut without) = (self.times(), Vec::new());
+        for (index, manoeuvre) in self.manoeuvre.iter().enumerate() {
+            if manoeuvre.deflections(&time, self.seed, &self.folder)?.iter().any(|deflection| *deflection != 0.0) {
+                continue;
+            }
+            let why = match manoeuvre.start_s() {
+                start if start >= self.duration.si() => {
+                    format!("it begins at {start} s, and the flight ends at {} s", self.duration.si())
+                }
+                _ => "its deflections are zero at all samples".to_owned(),
+            };
+            without.push(format!("{} moves nothing: {why}", named(index, manoeuvre)));
+        }
+        Ok(without)
     }
 
     /// Checks what the text of a file cannot show by itself, such as ranges and the order of damages.
@@ -260,6 +293,8 @@ impl Scenario {
         for ranges in std::iter::once(&self.increment_ranges).chain(self.damage.iter().map(|d| &d.ranges)) {
             ranges.check()?;
         }
+        let mut manoeuvres = self.manoeuvre.iter().enumerate();
+        manoeuvres.try_for_each(|(index, m)| m.check().map_err(|why| format!("{}: {why}", named(index, m))))?;
         self.damage.iter().try_for_each(Damage::check)?;
         self.failure.iter().try_for_each(|failure| failure.check(self.aircraft.actuators))?;
         self.model_error.check()?;
@@ -278,6 +313,11 @@ impl Scenario {
         )?;
         Ok(())
     }
+}
+
+/// A manoeuvre in messages: its number in the file, counted from 1, its type and its surface.
+fn named(index: usize, manoeuvre: &Manoeuvre) -> String {
+    format!("`[[manoeuvre]]` number {} ({} of the {})", index + 1, manoeuvre.kind(), manoeuvre.surface().name())
 }
 
 #[cfg(test)]
@@ -326,6 +366,35 @@ mod tests {
         let cut = CALM.find("675").unwrap();
         assert!(Scenario::parse(&CALM[..cut], "cut.toml").is_err());
     }
+
+    /// A manoeuvre that is not flown would leave an estimate without excitation, and nobody would know why.
+    #[test]
+    fn manoeuvres_that_are_not_flown_are_refused_or_told() {
+        let message = error("unit = \"0.6 s\"", "unit = \"0 s\"");
+        assert!(
+            message.contains("number 1 (3-2-1-1 of the elevator)") && message.contains("`unit` is 0 s"),
+            "{message}"
+        );
+        let doublet =
+            "type = \"doublet\"\nwidth = \"-1 s\"\nsurface = \"rudder\"\nstart = \"1 s\"\namplitude = \"1 deg\"\n";
+        let text = format!("{CALM}\n[[manoeuvre]]\n{doublet}");
+        let message = Scenario::parse(&text, "calm.toml").unwrap_err().to_string();
+        assert!(
+            message.contains("number 3 (doublet of the rudder)") && message.contains("`width` is -1 s"),
+            "{message}"
+        );
+        let without = |from: &str, to: &str| {
+            assert!(CALM.contains(from), "{from}");
+            Scenario::parse(&CALM.replacen(from, to, 1), "calm.toml").unwrap().manoeuvres_without_effect().unwrap()
+        };
+        let late = without("start = \"0.5 s\"", "start = \"500 s\"");
+        let said = "`[[manoeuvre]]` number 1 (3-2-1-1 of the elevator) moves nothing: it begins at 500 s, and the flight ends at 20 s";
+        assert_eq!(late, [said]);
+        let still = without("\"-1.5 deg\"", "\"0 deg\"");
+        assert!(still.len() == 1 && still[0].contains("number 2") && still[0].contains("are zero"), "{still:?}");
+        assert!(without("seed = 1", "seed = 2").is_empty());
+    }
+
     /// `delta_e` is what many books call the elevator.
     #[test]
     fn the_symbol_of_a_surface_is_understood_in_increments() {

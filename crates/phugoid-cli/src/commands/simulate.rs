@@ -92,7 +92,7 @@ pub(crate) fn run(arguments: &arguments::Simulate) -> Result<(), Failure> {
         measured_csv: &measured,
         truth_csv: &truth,
         figures,
-        warnings: beyond_the_tables(&flight),
+        warnings: warnings(&scenario, &flight)?,
         notes,
     };
     if arguments.json { print(&json(&document)?) } else { print(&text(&document, &flight)) }
@@ -178,6 +178,13 @@ fn text(document: &Document, flight: &Flight) -> String {
         let _ = writeln!(text, "Figures:  {}", folder.display());
     }
     text
+}
+
+/// What of a flight a person has to know: manoeuvres that were not flown, and where the data end.
+fn warnings(scenario: &Scenario, flight: &Flight) -> Result<Vec<String>, Failure> {
+    let mut warnings = scenario.manoeuvres_without_effect().map_err(Failure::input)?;
+    warnings.extend(beyond_the_tables(flight));
+    Ok(warnings)
 }
 
 /// Warnings for a flight that leaves the range of the aerodynamic tables, where they are extrapolated linearly and no

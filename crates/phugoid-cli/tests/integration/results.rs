@@ -151,6 +151,14 @@ fn a_flight_beyond_the_aerodynamic_tables_says_so() {
     folder.file("aft.toml", &scenario);
     let aft = phugoid(&folder.0, &["simulate", "aft.toml"]);
     assert!(aft.out.contains("Warning: alpha leaves the aerodynamic tables (-10 to 45 deg)"), "{}", aft.out);
+    // Nor is a manoeuvre that is not flown.
+    folder.file("late.toml", &phugoid(&folder.0, &["simulate", "f16-calm", "--show"]).out.replace("10.5 s", "500 s"));
+    let late = phugoid(&folder.0, &["simulate", "late.toml", "--out", "late"]);
+    assert!(
+        late.out.contains("Warning: `[[manoeuvre]]` number 2 (3-2-1-1 of the elevator) moves nothing"),
+        "{}",
+        late.out
+    );
 }
 
 #[test]

@@ -180,3 +180,17 @@ fn turbulence_needs_one_statement_of_its_strength() {
         assert!(message.contains("takes one of `intensity`"), "{message}");
     }
 }
+
+/// An amplitude in radians where degrees were meant: the message names the surface and where it was.
+#[test]
+fn a_flight_that_is_lost_names_the_surface() {
+    let lost = |amplitude: &str| {
+        let amplitude = format!("amplitude = \"{amplitude}\"");
+        fly(&scenario(&[("amplitude = \"1.5 deg\"", &amplitude)], "")).unwrap_err().to_string()
+    };
+    for (amplitude, deflection) in [("1.5 rad", "84.0 deg"), ("80 deg", "78.0 deg")] {
+        let message = lost(amplitude);
+        let said = format!("the elevator was at {deflection} and the angle of attack");
+        assert!(message.contains(&said) && message.contains("their units"), "{message}");
+    }
+}
