@@ -7,6 +7,7 @@ use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
 use phugoid_flight_data::{output_file, printable};
+use phugoid_report::is_figure;
 
 use crate::arguments::{Arguments, Command, Further};
 use crate::failure::Failure;
@@ -20,6 +21,8 @@ struct Plan {
     input_folders: Vec<PathBuf>,
     /// Files that are written, with the options that name them.
     files: Vec<(&'static str, PathBuf)>,
+    /// The file that is only begun here and goes on by hand (`init --out`): it has to be a new one.
+    begun: Option<PathBuf>,
     /// Folder of the result (`--out`).
     folder: Option<Folder>,
     /// Folder of `--figures`, in which SVG and PNG files are written.
@@ -47,7 +50,8 @@ const TEMPORARY: &str = ".phugoid-";
 ///
 /// # Errors
 /// [`Failure::Input`] if something would be written over a file that is read, or twice to one file;
-/// [`Failure::Output`] if the folder of the result holds files that are none of ours.
+/// [`Failure::Output`] if a folder of results holds files that are none of ours or is a file, or if a file that goes on by hand
+/// exists.
 pub(crate) fn check(arguments: &Arguments) -> Result<(), Failure> {
     let plan = Plan::of(arguments);
     let targets = plan.targets();
@@ -72,7 +76,9 @@ pub(crate) fn check(arguments: &Arguments) -> Result<(), Failure> {
             )));
         }
     }
+    plan.begun.as_deref().map_or(Ok(()), check_begun)?;
     plan.folder.as_ref().map_or(Ok(()), check_folder)?;
+    plan.figures.as_deref().map_or(Ok(()), check_figures)?;
     clean(&plan, &targets);
     Ok(())
 }
@@ -112,25 +118,47 @@ fn over(option: &str, target: &Path, input: &Path) -> Failure {
     ))
 }
 
+/// Refuses a file that exists: nobody else has what was changed in it by hand.
+fn check_begun(file: &Path) -> Result<(), Failure> {
+    if !file.exists() || is_special(file) {
+        return Ok(());
+    }
+    Err(Failure::Output(format!(
+        "--out {}: this file exists, and what was written into it by hand would be lost.\nName a new file with --out, or \
+         remove this one first.",
+        file.display()
+    )))
+}
+
+/// Why nothing is written into a folder, and which folder to name.
+fn refused(option: &str, folder: &Path, why: &str) -> Result<(), Failure> {
+    Err(Failure::Output(format!(
+        "{option} {}: {why}\nName with {option} a new or an empty folder, or the folder of an earlier result.",
+        folder.display()
+    )))
+}
+
+/// Refuses a file where a folder is needed: it would be known only once everything is computed.
+fn check_is_folder(option: &str, folder: &Path) -> Result<(), Failure> {
+    match folder.exists() && !folder.is_dir() {
+        true => refused(option, folder, "this is a file, and a folder is needed."),
+        false => Ok(()),
+    }
+}
+
 /// Refuses a folder with files that are none of ours. The current folder may hold others, as long as none is replaced.
 fn check_folder(folder: &Folder) -> Result<(), Failure> {
-    // What is no folder is refused where it is written to.
+    check_is_folder("--out", &folder.path)?;
+    // What cannot be listed is refused where it is written to.
     let Ok(entries) = fs::read_dir(&folder.path) else { return Ok(()) };
-    let refused = |why: String| {
-        Err(Failure::Output(format!(
-            "--out {}: {why}\nName with --out a new or an empty folder, or the folder of an earlier result.",
-            folder.path.display()
-        )))
-    };
+    let refused = |why: String| refused("--out", &folder.path, &why);
     let foreign_page =
         folder.names.iter().find(|name| name.ends_with(".html") && is_foreign_page(&folder.path.join(name)));
     if let Some(page) = foreign_page {
         return refused(format!("`{page}` in this folder is no page of phugoid, and would be overwritten."));
     }
-    let mut names = entries.flatten().map(|entry| entry.file_name().to_string_lossy().into_owned());
-    let Some(other) = names.find(|name| !name.starts_with(TEMPORARY)) else { return Ok(()) };
-    let is_flight = FLIGHT.iter().all(|name| folder.path.join(name).is_file());
-    if is_flight || PAGES.iter().any(|page| is_page_of_ours(&folder.path.join(page))) {
+    let Some(other) = first_file(entries) else { return Ok(()) };
+    if holds_a_result(&folder.path) {
         return Ok(());
     }
     let replaced = folder.names.iter().find(|name| folder.path.join(name).exists());
@@ -139,8 +167,44 @@ fn check_folder(folder: &Folder) -> Result<(), Failure> {
         (true, Some(name)) => refused(format!(
             "`{name}` exists in the current folder, is no result of phugoid, and would be overwritten."
         )),
-        (false, _) => refused(format!("the folder is not empty and holds no result of phugoid, but `{other}`.")),
+        (false, _) => refused(nothing_of_ours(&other)),
     }
+}
+
+/// The same for the folder of `--figures`. Which figures there will be is known only at the end, so that no picture there may be
+/// one of others.
+fn check_figures(folder: &Path) -> Result<(), Failure> {
+    check_is_folder("--figures", folder)?;
+    // What cannot be listed is refused where it is written to.
+    let Ok(entries) = fs::read_dir(folder) else { return Ok(()) };
+    let pictures = existing(folder, &["svg", "png"]);
+    // Each figure is written in both forms, and the text of the drawing shows whose it is.
+    if let Some(foreign) = pictures.iter().find(|picture| !is_figure(&picture.with_extension("svg"))) {
+        let name = foreign.file_name().unwrap_or_default().to_string_lossy();
+        let why = format!("`{name}` in this folder is no figure of phugoid, and could be overwritten.");
+        return refused("--figures", folder, &why);
+    }
+    let Some(other) = first_file(entries) else { return Ok(()) };
+    match !pictures.is_empty() || holds_a_result(folder) || is_current(folder) {
+        true => Ok(()),
+        false => refused("--figures", folder, &nothing_of_ours(&other)),
+    }
+}
+
+fn nothing_of_ours(other: &str) -> String {
+    format!("the folder is not empty and holds no result of phugoid, but `{other}`.")
+}
+
+/// The name of a file or folder in a folder; none if there is nothing but what is being written.
+fn first_file(entries: fs::ReadDir) -> Option<String> {
+    let mut names = entries.flatten().map(|entry| entry.file_name().to_string_lossy().into_owned());
+    names.find(|name| !name.starts_with(TEMPORARY))
+}
+
+/// Whether a folder is that of an earlier result.
+fn holds_a_result(folder: &Path) -> bool {
+    FLIGHT.iter().all(|name| folder.join(name).is_file())
+        || PAGES.iter().any(|page| is_page_of_ours(&folder.join(page)))
 }
 
 impl Plan {
@@ -182,6 +246,7 @@ impl Plan {
             Some(Command::Init(a)) => {
                 plan.inputs.push(a.flight.clone());
                 plan.file("--out", a.out.as_ref());
+                plan.begun.clone_from(&a.out);
             }
             Some(Command::Estimate(a)) => {
                 let truths = a.truth.iter().filter_map(|truth| match truth {

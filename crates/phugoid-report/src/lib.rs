@@ -47,4 +47,4 @@ pub use html::{
     HtmlOptions, NotRun, ReproductionOptions, StudyPage, StudySection, arena_html, html, reproduction_html, study_html,
 };
 pub use ticks::significant;
-pub use write::{write_figures, write_named_figures};
+pub use write::{is_figure, write_figures, write_named_figures};

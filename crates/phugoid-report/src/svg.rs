@@ -12,6 +12,10 @@ use crate::scene::{Anchor, Scene, Shape, Theme, TimePlot};
 /// Units of the SVG for each px: coordinates are in tenths of a pixel.
 const UNITS: f64 = 10.0;
 
+/// The style of every drawing, at the end of its first element, by which a drawing of ours is known.
+pub(crate) const STYLE: &str =
+    "font-family=\"Inter,system-ui,Helvetica,Arial,sans-serif\" stroke-linejoin=\"round\" stroke-linecap=\"round\"";
+
 /// The `<svg>` element of a scene; `title` is its label for screen readers.
 pub(crate) fn document(scene: &Scene, title: &str, theme: Theme) -> String {
     let mut out = String::new();
@@ -27,7 +31,7 @@ pub(crate) fn document(scene: &Scene, title: &str, theme: Theme) -> String {
     let _ = write!(
         out,
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {w} {h}\"{size} role=\"img\" aria-label=\"{}\" \
-         font-family=\"Inter,system-ui,Helvetica,Arial,sans-serif\" stroke-linejoin=\"round\" stroke-linecap=\"round\">",
+         {STYLE}>",
         escape(title)
     );
     if theme == Theme::Paper {

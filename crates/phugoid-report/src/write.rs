@@ -1,5 +1,7 @@
 //! Writing figures as files.
 
+use std::fs::File;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use phugoid_flight_data::output_file;
@@ -8,6 +10,7 @@ use phugoid_identification::estimation::Estimation;
 use crate::error::ReportError;
 use crate::figure::Figure;
 use crate::figures::figures;
+use crate::svg;
 
 /// Writes every figure of an estimation as `NAME.svg` and `NAME.png` into a folder, which is created if it does not
 /// exist. Returns the paths in the order in which they were written. Each file is there whole or not at all.
@@ -39,4 +42,15 @@ pub fn write_named_figures(dir: &Path, figures: &[(String, Figure)]) -> Result<V
         written.push(png);
     }
     Ok(written)
+}
+
+/// Whether a file is the drawing of a figure that this crate has written, of this or an earlier version. A picture in PNG shows
+/// it by the drawing of the same name beside it.
+pub fn is_figure(file: &Path) -> bool {
+    // The style stands behind the title, which may be long.
+    const BEGINNING: u64 = 16_384;
+    let mut beginning = Vec::new();
+    let read = File::open(file).and_then(|file| file.take(BEGINNING).read_to_end(&mut beginning));
+    read.is_ok()
+        && String::from_utf8_lossy(&beginning).split_once('>').is_some_and(|(tag, _)| tag.ends_with(svg::STYLE))
 }

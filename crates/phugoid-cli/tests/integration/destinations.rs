@@ -136,6 +136,45 @@ fn a_folder_of_others_is_refused_and_one_of_ours_written_again() {
     assert!(phugoid(&folder.0, &["simulate", "f16-calm", "--out", "."]).fails(4).contains("`measured.csv`"));
 }
 
+/// Which figures there will be is known only at the end: a folder with pictures of others is refused before anything is computed.
+#[test]
+fn figures_are_not_written_among_those_of_others() {
+    let (folder, _) = inputs("figures");
+    let estimate = ["estimate", "flight.csv", "--model", "model.toml", "--no-report", "--figures"];
+    let figures = |place: &str| phugoid(&folder.0, &[&estimate[..], &[place]].concat());
+    for (name, file) in [("mine", "inputs.png"), ("drawings", "inputs.svg"), ("letters", "letter.txt")] {
+        std::fs::create_dir(folder.0.join(name)).unwrap();
+        folder.file(&format!("{name}/{file}"), "my own");
+        let run = figures(name);
+        let message = run.fails(4);
+        assert!(message.contains(&format!("--figures {name}")) && message.contains(file), "{message}");
+        assert_eq!(folder.read(&format!("{name}/{file}")), "my own");
+        assert_eq!(std::fs::read_dir(folder.0.join(name)).unwrap().count(), 1);
+    }
+    // New, then ours; in the folder of a result, and in the current one.
+    for place in ["new", "new", "flight", "flight", ".", "."] {
+        assert_eq!(figures(place).code, Some(0), "{place}");
+    }
+    // What is put among ours later is not ours.
+    folder.file("new/photo.png", "my own");
+    assert!(figures("new").fails(4).contains("`photo.png`"));
+}
+
+#[test]
+fn a_file_in_the_place_of_a_folder_is_told_before_anything_is_computed() {
+    let (folder, _) = inputs("no-folder");
+    let estimate = ["estimate", "flight.csv", "--model", "model.toml", "--no-report"];
+    for command in [
+        vec!["estimate", "flight.csv", "--model", "model.toml", "--out", "r.live"],
+        [&estimate[..], &["--figures", "r.live"]].concat(),
+        vec!["simulate", "f16-calm", "--out", "model.toml"],
+    ] {
+        let run = phugoid(&folder.0, &command);
+        let message = run.fails(4);
+        assert!(message.contains("this is a file, and a folder is needed"), "{command:?}: {message}");
+    }
+}
+
 /// A result that cannot be written to its end leaves the earlier one, and nothing beside it.
 #[cfg(target_os = "linux")]
 #[test]

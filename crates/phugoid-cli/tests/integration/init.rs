@@ -46,6 +46,13 @@ fn a_model_file_is_begun_from_a_flight_and_a_few_options() {
     let run = phugoid(&folder.0, &[&answers[..], &["--out", "mine.toml"]].concat());
     assert_eq!(run.code, Some(0), "{}", run.err);
     assert!(run.err.contains("Next: phugoid estimate measured.csv --model mine.toml"), "{}", run.err);
+    // Never over a file that has been changed by hand since.
+    let begun = folder.read("mine.toml");
+    folder.file("mine.toml", &format!("# mine\n{begun}"));
+    let run = phugoid(&folder.0, &[&answers[..], &["--out", "mine.toml"]].concat());
+    let message = run.fails(4);
+    assert!(message.contains("mine.toml: this file exists") && message.contains("Name a new file"), "{message}");
+    assert_eq!(folder.read("mine.toml"), format!("# mine\n{begun}"));
     let run = phugoid(&folder.0, &["estimate", "measured.csv", "--model", "mine.toml", "--no-report", "--json"]);
     let estimated = run.json();
     let parameter = |name: &str| {

@@ -10,7 +10,8 @@ use phugoid_identification::estimation::{
 };
 use phugoid_report::figure::Body;
 use phugoid_report::{
-    HtmlOptions, ReportError, TimeHistoryPanel, figures, html, time_histories, write_figures, write_named_figures,
+    HtmlOptions, ReportError, TimeHistoryPanel, figures, html, is_figure, time_histories, write_figures,
+    write_named_figures,
 };
 use synthetic::{estimation, fighter, jet, many};
 
@@ -396,6 +397,8 @@ fn files_are_written_and_failures_name_the_path() {
         let bytes = std::fs::read(path).unwrap();
         let svg = path.extension().is_some_and(|e| e == "svg");
         assert!(bytes.starts_with(if svg { b"<svg" } else { b"\x89PNG" }), "{}", path.display());
+        // The drawing shows whose it is.
+        assert_eq!(is_figure(path), svg, "{}", path.display());
     }
     // A file where the folder should be.
     let file = folder.join("file");
