@@ -18,25 +18,31 @@ pub(super) fn read_all(mut input: impl Read, peer: &str, outlet: &Outlet) {
 
 /// Passes the pieces of the stream of one sender on, then the reason for its end.
 pub(super) fn pieces(input: &mut impl Read, origin: u16, outlet: &Outlet) {
+    if let Some(reason) = until_end(input, origin, outlet) {
+        outlet.put(origin, Content::Closed(reason));
+    }
+}
+
+/// Passes the pieces of the stream of one sender on, and gives the reason for its end; `None` if the source has to end.
+pub(super) fn until_end(input: &mut impl Read, origin: u16, outlet: &Outlet) -> Option<String> {
     let mut bytes = vec![0; DATAGRAM];
-    let reason = loop {
+    loop {
         match input.read(&mut bytes) {
-            Ok(0) => break "the end of the data".to_owned(),
+            Ok(0) => return Some("the end of the data".to_owned()),
             Ok(read) => {
                 let piece = bytes.get(..read).unwrap_or_default().to_vec();
                 if !outlet.put(origin, Content::Piece(piece)) {
-                    return;
+                    return None;
                 }
             }
             Err(error) if waits(&error) => {
                 if outlet.stopped() {
-                    return;
+                    return None;
                 }
             }
-            Err(error) => break format!("reading failed: {error}"),
+            Err(error) => return Some(format!("reading failed: {error}")),
         }
-    };
-    outlet.put(origin, Content::Closed(reason));
+    }
 }
 
 /// Whether an error only means that there are no data yet, or that a signal interrupted the call.
