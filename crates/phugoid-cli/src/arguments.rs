@@ -50,7 +50,7 @@ pub(crate) use compatibility::{Compatibility, SensorGroup};
 pub(crate) use completions::{Completions, Man};
 pub(crate) use delivery::PictureFormat;
 pub(crate) use design::{Design, InputKind, SurfaceName};
-pub(crate) use estimate::{AxesForm, Estimate, Export, ExportForm, Truth};
+pub(crate) use estimate::{AxesForm, Estimate, Export, ExportForm, FlowAngleSource, Truth};
 pub(crate) use export_fmu::ExportFmu;
 pub(crate) use field::Field;
 #[cfg(feature = "fleet")]
@@ -61,7 +61,7 @@ pub(crate) use inspect::Inspect;
 pub(crate) use keeping::Keeping;
 pub(crate) use linearize::Linearize;
 pub(crate) use monitor::Monitor;
-pub(crate) use reading::{Deleting, Further, Moment};
+pub(crate) use reading::{Deleting, Further, Moment, check_variable};
 pub(crate) use regress::Regress;
 pub(crate) use reproduce::Reproduce;
 pub(crate) use simulate::Simulate;

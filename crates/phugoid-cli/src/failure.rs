@@ -169,7 +169,7 @@ impl Failure {
             Self::ReaderLeft => return ExitCode::SUCCESS,
         };
         // Nobody is left to tell when standard error is closed.
-        let _ = writeln!(io::stderr(), "error: {}", printable::lines(message));
+        let _ = writeln!(io::stderr(), "error: {}", printable::lines(&printable::brief(message)));
         ExitCode::from(code)
     }
 }

@@ -125,7 +125,7 @@ pub(crate) fn wrapped(sentence: &str) -> String {
     let mut text = String::new();
     let mut line = String::from("  ");
     // Blanks at the beginning and between the columns of an event are kept.
-    for (index, word) in sentence.split(' ').enumerate() {
+    for (index, word) in printable::brief(sentence).split(' ').enumerate() {
         if line.chars().count() + 1 + word.chars().count() > WIDTH {
             text.push_str(line.trim_end());
             text.push('\n');

@@ -1,5 +1,6 @@
 //! The documents that are published, one JSON object each. `docs/live.md` describes their fields.
 
+use phugoid_flight_data::printable::brief;
 use phugoid_identification::estimation::ParameterReadiness;
 use phugoid_identification::session::{Layout, LiveParameter, Snapshot};
 use serde::{Deserialize, Serialize, Serializer};
@@ -225,6 +226,8 @@ impl<'a> Document<'a> {
 /// Publishes an event that happened `now_ns` after the start of the reception; `time_s` is the sender's time where the
 /// event has one.
 pub(crate) fn publish_event(time_s: Option<f64>, now_ns: u64, kind: &EventKind, message: &str, publish: Publish<'_>) {
+    // What somebody has sent may be in it.
+    let message: &str = &brief(message);
     let document = Document::Event { time_s, arrival_s: seconds(now_ns), kind, message };
     publish(DocumentKind::Event, &document.text());
 }

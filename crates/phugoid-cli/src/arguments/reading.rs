@@ -1,11 +1,14 @@
 //! Options of all commands that read a recorded flight.
 
+use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use clap::Args;
 use phugoid_flight_data::deletion::Deletion;
+use phugoid_flight_data::format::Format;
 use phugoid_flight_data::memory::Memory;
+use phugoid_flight_data::printable;
 use phugoid_flight_data::reader::ReadOptions;
 use phugoid_flight_data::record::{Record, time_of_day};
 use phugoid_simulation::quantity::{QuantityError, Time};
@@ -58,13 +61,33 @@ pub(crate) struct Reading {
 }
 
 impl Reading {
-    /// The options of the reader that the command line gives.
-    pub(crate) fn options(&self) -> ReadOptions {
+    /// The options of the reader that the command line gives, for this flight.
+    ///
+    /// # Errors
+    /// [`Failure::Input`]: `--variable` for a file that holds one table alone.
+    pub(crate) fn options(&self, flight: &Path) -> Result<ReadOptions, Failure> {
+        check_variable("--variable", self.variable.as_deref(), flight)?;
         let mut options = ReadOptions::default().with_max_memory(self.max_memory);
         options.table.column_names.clone_from(&self.columns);
         options.table.sample_time_s = self.sample_time.map(|time| time.si());
         options.table.variable.clone_from(&self.variable);
-        options
+        Ok(options)
+    }
+}
+
+/// Refuses the name of a variable for a file of which the reader would not look for it.
+pub(crate) fn check_variable(option: &str, variable: Option<&str>, flight: &Path) -> Result<(), Failure> {
+    // What cannot be opened is told by whoever reads it; standard input is read once.
+    let known = variable.filter(|_| flight.is_file()).zip(File::open(flight).ok());
+    let Some((variable, file)) = known else { return Ok(()) };
+    match Format::of(file).map(|(format, _)| format) {
+        Err(_) | Ok(Format::Mat5 | Format::Hdf5 | Format::Zip) => Ok(()),
+        Ok(format) => Err(Failure::input(format!(
+            "{option} {variable}: `{}` is {}, which holds one table: a variable is for a MATLAB file, a sheet for a workbook \
+             of Excel. Leave it out",
+            printable::path(flight),
+            format.in_words()
+        ))),
     }
 }
 

@@ -37,7 +37,7 @@ struct Document<'a> {
 
 pub(crate) fn run(arguments: &arguments::Compatibility) -> Result<(), Failure> {
     let model = arguments.model.as_deref().map(super::estimate::model).transpose()?;
-    let options = arguments.reading.options();
+    let options = arguments.reading.options(&arguments.flight)?;
     let with: Vec<Further> = arguments.with.iter().map(|word| Further::of(word)).collect();
     let paths: Vec<&Path> =
         std::iter::once(&arguments.flight).chain(with.iter().map(|w| &w.file)).map(PathBuf::as_path).collect();

@@ -15,6 +15,7 @@ use phugoid_identification::estimation::{Estimation, UncertainQuantity};
 use phugoid_identification::export::Identified;
 use phugoid_identification::inspect::segment;
 use phugoid_identification::manoeuvres::{Settings, find};
+use phugoid_identification::method::Method;
 use phugoid_identification::model_file::{BaseUncertainty, ModelFile, Uncertainty};
 use phugoid_identification::options::Likelihood;
 use phugoid_identification::parts::for_parts;
@@ -28,7 +29,7 @@ use super::export;
 use super::further;
 use super::result::{self, Document};
 use super::simulate::scenario;
-use crate::arguments::{self, Further, Moment, Truth};
+use crate::arguments::{self, FlowAngleSource, Further, Moment, Truth};
 use crate::failure::{self, Failure};
 use crate::output::{Table, json, print};
 use crate::progress::Progress;
@@ -45,7 +46,7 @@ pub(crate) fn run(arguments: &arguments::Estimate) -> Result<ExitCode, Failure> 
         return list_models(arguments.json).map(|()| ExitCode::SUCCESS);
     };
     let history = History::new(arguments)?;
-    let options = arguments.reading.options();
+    let options = arguments.reading.options(flight)?;
     let with: Vec<Further> = arguments.with.iter().map(|word| Further::of(word)).collect();
     let predict = arguments.predict.as_deref().map(Further::of);
     let first = Further { file: flight.clone(), variable: options.table.variable.clone() };
@@ -56,6 +57,8 @@ pub(crate) fn run(arguments: &arguments::Estimate) -> Result<ExitCode, Failure> 
     if arguments.write_model.is_some() {
         export::with_values(&Identified::start(&model), &text)?;
     }
+    let method = arguments.method.unwrap_or(model.estimator.method);
+    check_options_of_methods(&[method], arguments.gaussian, arguments.flow_angles)?;
     let truth = truth(&arguments.truth, &model)?;
     let paths: Vec<&Path> =
         std::iter::once(&first).chain(&with).chain(&predict).map(|flight| flight.file.as_path()).collect();
@@ -149,6 +152,33 @@ pub(crate) fn run(arguments: &arguments::Estimate) -> Result<ExitCode, Failure> 
         export::write_model(file, &text, &estimation, &model, arguments.json)?;
     }
     Ok(failure::of_result(&estimation))
+}
+
+/// Checks that an option about one kind of method is not given to methods that would not look at it.
+///
+/// # Errors
+/// [`Failure::Input`]: nobody would see that the option has changed nothing.
+pub(super) fn check_options_of_methods(
+    methods: &[Method],
+    gaussian: bool,
+    flow_angles: FlowAngleSource,
+) -> Result<(), Failure> {
+    let names = |methods: &mut dyn Iterator<Item = Method>| methods.map(Method::name).collect::<Vec<_>>().join(", ");
+    let refused = |option: &str, wanted: &str| {
+        Err(Failure::input(format!(
+            "{option} would change nothing: it is for {wanted}, and the method is {}. Name another one with --method, or leave \
+             {option} out",
+            names(&mut methods.iter().copied())
+        )))
+    };
+    if gaussian && !methods.iter().any(|method| method.is_batch()) {
+        let batch = names(&mut Method::ALL.iter().copied().filter(|method| method.is_batch()));
+        return refused("--gaussian", &format!("the batch methods ({batch})"));
+    }
+    if flow_angles != FlowAngleSource::Auto && !methods.contains(&Method::OutputError) {
+        return refused("--flow-angles", Method::OutputError.name());
+    }
+    Ok(())
 }
 
 /// Checks that no flight is given twice.
@@ -299,7 +329,13 @@ fn truth(words: &[Truth], model: &ModelFile) -> Result<BTreeMap<String, f64>, Fa
     let mut truth = BTreeMap::new();
     for word in words {
         match word {
-            Truth::Scenario(wanted) => truth.extend(scenario(wanted)?.true_parameters()),
+            Truth::Scenario(wanted) => {
+                let of_scenario = scenario(wanted)?.true_parameters();
+                if !model.parameters.iter().any(|parameter| of_scenario.contains_key(&parameter.name)) {
+                    return Err(no_truth(wanted, model, of_scenario.keys()));
+                }
+                truth.extend(of_scenario);
+            }
             Truth::Value(name, value) => {
                 let names = || model.parameters.iter().map(|p| p.name.as_str());
                 if !names().any(|n| n == name) {
@@ -314,6 +350,23 @@ fn truth(words: &[Truth], model: &ModelFile) -> Result<BTreeMap<String, f64>, Fa
         }
     }
     Ok(truth)
+}
+
+/// A scenario that says nothing about the parameters of a model is another flight, or that of another aircraft.
+fn no_truth<'a>(wanted: &str, model: &ModelFile, of_scenario: impl Iterator<Item = &'a String>) -> Failure {
+    let list = |mut names: Vec<&str>| {
+        const SHOWN: usize = 6;
+        let more = names.len() > SHOWN;
+        names.truncate(SHOWN);
+        names.join(", ") + if more { ", ..." } else { "" }
+    };
+    let of_model = list(model.parameters.iter().map(|parameter| parameter.name.as_str()).collect());
+    Failure::input(format!(
+        "--truth {wanted}: this scenario gives the true value of no parameter of the model `{}`, so that nothing could be \
+         compared. The scenario has {}; the model has {of_model}. Name the scenario that was flown, or leave --truth out",
+        model.source,
+        list(of_scenario.map(String::as_str).collect())
+    ))
 }
 
 /// The parts of the record with the manoeuvres of these numbers: the first one, and the others. They are cut out of `settled` where

@@ -11,6 +11,7 @@ use phugoid_evaluation::field::{FaultSummary, FieldOptions, FieldStudy, run as r
 use phugoid_identification::method::Method;
 use phugoid_identification::options::Likelihood;
 
+use super::estimate::check_options_of_methods;
 use crate::arguments;
 use crate::failure::Failure;
 use crate::output::{Table, deliver, significant};
@@ -18,6 +19,7 @@ use crate::progress::Progress;
 
 pub(crate) fn run(arguments: &arguments::Field) -> Result<(), Failure> {
     let methods = if arguments.method.is_empty() { vec![Method::default()] } else { arguments.method.clone() };
+    check_options_of_methods(&methods, arguments.gaussian, arguments.flow_angles)?;
     let options = FieldOptions {
         split: arguments.split.split(),
         methods,

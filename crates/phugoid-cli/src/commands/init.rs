@@ -11,7 +11,8 @@ use crate::failure::Failure;
 use crate::output::{print, wrapped};
 
 pub(crate) fn run(arguments: &arguments::Init) -> Result<(), Failure> {
-    let record = reader::read_path(&arguments.flight, &arguments.reading.options()).map_err(Failure::input)?;
+    let record =
+        reader::read_path(&arguments.flight, &arguments.reading.options(&arguments.flight)?).map_err(Failure::input)?;
     // Questions are answered by a person who sees them: not by the flight that comes through standard input.
     let asked = io::stdin().is_terminal() && io::stderr().is_terminal();
     // Nobody answers questions about a flight of which no answer makes a model. The class has no part in that.

@@ -42,7 +42,7 @@ pub(crate) fn run(arguments: &arguments::Inspect) -> Result<(), Failure> {
     let deletions = Deletions::new(&arguments.deleting, &[&arguments.flight])?;
     let (survey, inspection, no_flight) = {
         let _progress = Progress::spinner("reading");
-        let mut options = arguments.reading.options();
+        let mut options = arguments.reading.options(&arguments.flight)?;
         options.table.columns = columns;
         let Surveyed { survey, record } = reader::survey_path(&arguments.flight, &options).map_err(Failure::input)?;
         match record {

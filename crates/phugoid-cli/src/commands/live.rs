@@ -181,7 +181,8 @@ fn source(arguments: &Arguments, recording: Option<Reader>, flight: &Flight) -> 
         }
         (None, Some(path), Some(reader)) => Ok(Replay::recording(reader, &path.display().to_string(), pace).into()),
         (None, Some(path), None) => {
-            let record = flight.model.open_record_with(path, &arguments.reading.options()).map_err(Failure::input)?;
+            let record =
+                flight.model.open_record_with(path, &arguments.reading.options(path)?).map_err(Failure::input)?;
             Ok(Replay::flight(record, pace).map_err(Failure::input)?.into())
         }
         (None, None, _) => Err(Failure::input("a source is needed, as in udp://14550, or --replay FILE")),
@@ -215,5 +216,5 @@ pub(super) fn failure(error: LiveError) -> Failure {
 /// Prints a message to standard error; standard output is reserved for the JSON documents.
 pub(super) fn say(text: &str) {
     // Nobody is left to tell when standard error is closed.
-    let _ = writeln!(io::stderr(), "{}", printable::lines(text));
+    let _ = writeln!(io::stderr(), "{}", printable::lines(&printable::brief(text)));
 }

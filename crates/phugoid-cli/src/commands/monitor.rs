@@ -31,8 +31,9 @@ pub(crate) fn run(arguments: &arguments::Monitor) -> Result<bool, Failure> {
     let record = {
         let _progress = Progress::spinner("reading");
         let deletions = Deletions::new(&arguments.deleting, &[&arguments.flight])?;
-        let mut record =
-            model.open_record_with(&arguments.flight, &arguments.reading.options()).map_err(Failure::input)?;
+        let mut record = model
+            .open_record_with(&arguments.flight, &arguments.reading.options(&arguments.flight)?)
+            .map_err(Failure::input)?;
         deletions.apply(&mut record, &arguments.flight, true)?;
         record
     };

@@ -25,8 +25,9 @@ pub(crate) fn run(arguments: &arguments::Regress) -> Result<(), Failure> {
     };
     let record = {
         let _progress = Progress::spinner("reading");
-        let mut record =
-            model.open_record_with(&arguments.flight, &arguments.reading.options()).map_err(Failure::input)?;
+        let mut record = model
+            .open_record_with(&arguments.flight, &arguments.reading.options(&arguments.flight)?)
+            .map_err(Failure::input)?;
         deletions.apply(&mut record, &arguments.flight, true)?;
         match arguments.segment {
             Some(number) => segments(&record, None, &[number])?.0,

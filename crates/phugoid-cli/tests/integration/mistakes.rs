@@ -293,6 +293,63 @@ fn a_flight_that_was_fitted_is_neither_fitted_again_nor_predicted() {
     assert!(with("--predict").fails(3).contains("tests nothing"));
 }
 
+/// An option that would change nothing is refused: the result would look as if it had counted.
+#[test]
+fn options_that_nothing_looks_at_are_refused() {
+    let folder = Folder::new("ignored");
+    assert_eq!(phugoid(&folder.0, &["simulate", "f16-calm", "--out", "."]).code, Some(0));
+    let estimate = |more: &[&str]| {
+        let command = ["estimate", "measured.csv", "--model", "f16-model", "--no-report"];
+        phugoid(&folder.0, &[&command[..], more].concat())
+    };
+    for (options, words) in [
+        (&["--gaussian"][..], ["--gaussian would change nothing", "output-error"]),
+        (&["--flow-angles", "measured"], ["--flow-angles would change nothing", "the method is smpe"]),
+        (&["--flow-angles", "simulated", "--method", "filter-error"], ["it is for output-error", "filter-error"]),
+        (&["--variable", "x"], ["--variable x: `measured.csv` is a table as text", "Leave it out"]),
+        (&["--with", "measured.csv:x", "--method", "output-error"], ["--with x: `measured.csv`", "Leave it out"]),
+    ] {
+        let run = estimate(options);
+        let message = run.fails(3);
+        assert!(words.iter().all(|word| message.contains(word)), "{options:?}: {message}");
+    }
+    for options in [
+        &["--gaussian", "--method", "equation-error"][..],
+        &["--flow-angles", "measured", "--method", "output-error"],
+        &["--flow-angles", "auto"],
+        &["--truth", "f16-calm"],
+    ] {
+        assert_eq!(estimate(options).code, Some(0), "{options:?}");
+    }
+    let other = ["estimate", "measured.csv", "--model", "hfb320", "--no-report", "--truth", "f16-calm"];
+    let run = phugoid(&folder.0, &other);
+    let message = run.fails(3);
+    assert!(message.contains("--truth f16-calm: this scenario") && message.contains("the model has CD_0"), "{message}");
+    let run = phugoid(&folder.0, &["inspect", "measured.csv", "--variable", "x"]);
+    assert!(run.fails(3).contains("--variable x"), "{}", run.err);
+    let run = phugoid(&folder.0, &["field", ".", "--gaussian"]);
+    assert!(run.fails(3).contains("--gaussian would change nothing"), "{}", run.err);
+}
+
+/// Whatever is quoted of a file, a message fits on a screen.
+#[test]
+fn what_a_message_quotes_of_a_file_is_short() {
+    let folder = Folder::new("long-quotes");
+    let key = "A".repeat(1_000_000);
+    let model = phugoid(&folder.0, &["estimate", "--show-model", "hfb320"]).out;
+    folder.file("key.toml", &model.replace("[parameters]", &format!("[parameters]\n{key} = 1")));
+    folder.file("flight.csv", "time_s,alpha_deg\n0,1\n1,2\n");
+    let scenario = phugoid(&folder.0, &["simulate", "f16-calm", "--show"]).out;
+    folder.file("key-of-scenario.toml", &format!("{key} = 1\n{scenario}"));
+    for command in
+        [&["estimate", "flight.csv", "--model", "key.toml", "--no-report"][..], &["simulate", "key-of-scenario.toml"]]
+    {
+        let run = phugoid(&folder.0, command);
+        let message = run.fails(3);
+        assert!(message.len() < 2000 && message.contains("AAA...`"), "{} {}", message.len(), &message[..200]);
+    }
+}
+
 /// Another variable of one file is another flight.
 #[cfg(feature = "matlab")]
 #[test]
