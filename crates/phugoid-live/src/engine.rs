@@ -191,7 +191,12 @@ impl Engine {
             return None;
         }
         let failure = self.estimation.failure.clone();
-        let why = self.receiver.no_sample().or(failure).or_else(|| self.waiting());
+        let why = self.receiver.no_sample().or(failure);
+        // What never comes is more than what has not come yet.
+        let absent = self.receiver.never_came();
+        let absent =
+            absent.map(|absent| self.receiver.missing().map_or(absent.clone(), |why| format!("{absent}; {why}")));
+        let why = why.or_else(|| self.waiting().map(|waiting| absent.unwrap_or(waiting)));
         why.or_else(|| self.estimation.first_refusal.clone())
     }
 

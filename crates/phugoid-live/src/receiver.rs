@@ -119,6 +119,8 @@ pub struct Receiver {
     first_refusal: Option<String>,
     row: Vec<f64>,
     values: Vec<f64>,
+    /// Which of the channels that were asked for have come with a value.
+    came: Vec<bool>,
     /// Arrival of the last packet, ns.
     newest_ns: u64,
     silence_published: bool,
@@ -152,6 +154,7 @@ impl Receiver {
             first_refusal: None,
             row: Vec::new(),
             values: vec![f64::NAN; channels.len()],
+            came: vec![false; asked],
             channels,
             newest_ns: 0,
             silence_published: false,
@@ -174,6 +177,22 @@ impl Receiver {
     /// missing.
     pub fn missing(&self) -> Option<String> {
         self.airspeed.as_ref().and_then(TrueAirspeed::missing)
+    }
+
+    /// The channels that were asked for and have not come with a single value, as a sentence; `None` if there are none, or if
+    /// nothing has arrived.
+    pub fn never_came(&self) -> Option<String> {
+        let absent = self.channels.iter().zip(&self.came).filter(|(_, came)| !**came).map(|(name, _)| name.as_str());
+        let absent: Vec<&str> = absent.collect();
+        let (count, names) = (absent.len(), absent.join(", "));
+        (self.counts.samples > 0 && count > 0).then(|| {
+            let (channels, are, them) = if count == 1 { ("channel", "is", "it") } else { ("channels", "are", "them") };
+            format!(
+                "the {channels} {names} {are} missing: none of the {} samples holds a value of {them}. Look at the names of \
+                 what is sent, or name it under [channels] in the model file",
+                self.counts.samples
+            )
+        })
     }
 
     /// Why what arrived so far gave no sample, as a sentence for people; `None` if there is a sample, or if nothing
@@ -419,6 +438,7 @@ impl Receiver {
         }
         notes.into_iter().for_each(|message| self.say(LiveEventKind::Airspeed, message, arrival_ns, out));
         self.counts.samples += 1;
+        self.came.iter_mut().zip(&self.values).for_each(|(came, value)| *came |= value.is_finite());
         out(Reception::Sample { time_s, arrival_ns, values: self.values.get(..self.asked).unwrap_or_default() });
     }
 

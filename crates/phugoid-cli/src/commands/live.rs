@@ -81,8 +81,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     say(&format!("{} samples, {} estimates", summary.samples, summary.estimates));
     match summary.missing {
         Some(missing) if summary.samples == 0 => Err(Failure::input(missing)),
-        // Whoever ends a flight before it has begun knows that; a recorded flight has been seen to its end.
-        Some(missing) if arguments.replay.is_some() && stop.asked() == Some(Why::Over) => {
+        // Whoever ends a flight before it has begun knows that; a recorded flight, and one that is piped in, has been seen to its
+        // end.
+        Some(missing) if (piped || arguments.replay.is_some()) && stop.asked() == Some(Why::Over) => {
             Err(Failure::impossible(format!("no estimate could be made: {missing}")))
         }
         Some(missing) => {

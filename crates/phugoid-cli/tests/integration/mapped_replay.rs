@@ -213,6 +213,19 @@ fn data_without_a_sample_are_an_error_that_says_why() {
     let run = replay(&folder, "short.csv", &["--model", "mapped.toml"]);
     assert_eq!(run.code, Some(1), "{}", run.err);
     assert!(run.err.contains("no estimate could be made: "), "{}", run.err);
+    // Through a pipe no estimate is no success either, and a channel that never comes is named.
+    let rows: String = (0..400).map(|k| format!("{},2.{},{}\n", 0.01 * f64::from(k), k % 7, -1 - k % 3)).collect();
+    let piped = stream(&format!("time_s,alpha_deg,DE\n{rows}"));
+    folder.file("without.csv", &format!("time_s,alpha_deg,DE\n{rows}"));
+    for run in [piped, replay(&folder, "without.csv", &["--model", "mapped.toml"])] {
+        assert_eq!(run.code, Some(1), "{}", run.err);
+        assert!(
+            run.err.contains("no estimate could be made: the channels ") && run.err.contains("are missing"),
+            "{}",
+            run.err
+        );
+        assert!(!run.err.contains("elevator"), "{}", run.err);
+    }
 }
 
 /// The mapping of another model file cannot be applied to rows that were mapped before they were recorded.
