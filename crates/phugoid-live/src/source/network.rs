@@ -351,6 +351,8 @@ mod tests {
         // One of them was heard later than the others.
         let last = name(&idle[62]);
         wait_for(&arrivals, |arrival| is_opened(arrival, &last));
+        // All have had their time then.
+        std::thread::sleep(2 * SHORT);
         (&idle[0]).write_all(b"hello").unwrap();
         let heard = wait_for(&arrivals, |arrival| matches!(arrival.content, Content::Piece(_))).origin;
 
