@@ -6,9 +6,12 @@ use crate::common;
 use common::f16::{TRUTH, channel, fly, model, unbiased};
 use phugoid_flight_data::record::{Quantity, Record};
 use phugoid_identification::axes::Axes;
+use phugoid_identification::compatibility::{CompatibilityOptions, compatibility};
 use phugoid_identification::estimate::{EstimateError, EstimateOptions, Method, capacity, estimate};
 use phugoid_identification::estimation::{Estimation, FinalStatus};
-use phugoid_identification::model_file::ModelFile;
+use phugoid_identification::health::{Condition, FALSE_ALARMS_PER_HOUR, HealthOptions};
+use phugoid_identification::model_file::{Expectation, ModelFile};
+use phugoid_identification::monitor::monitor;
 use phugoid_identification::options::FlowAngles;
 use proptest::prelude::*;
 
@@ -422,5 +425,41 @@ proptest! {
                 prop_assert!(p.corrected_std_error >= 0.0 && p.corrected_std_error >= p.std_error);
             }
         }
+    }
+}
+
+/// The equations of motion are kept by the seconds that have samples. By the seconds of the record's time, thirty years of them asked for 72 GB.
+#[test]
+fn a_gap_of_thirty_years_is_no_matter_of_memory() {
+    let mut record = fly(15.0, AMPLITUDE, 1);
+    let samples = record.time.len();
+    record.time[samples / 2..].iter_mut().for_each(|time| *time += 1e9);
+    assert_eq!(run(&record, &model()).unwrap().parameters.len(), TRUTH.len());
+}
+
+/// A gyro that freezes looks to the monitor like another aircraft.
+#[test]
+fn a_monitor_does_not_take_a_frozen_gyro_for_a_failure_of_the_aircraft() {
+    let elevator = Expectation { name: TRUTH[0].0.to_owned(), value: TRUTH[0].1, tolerance: 0.04, failure_std: None };
+    let health = HealthOptions { expected: vec![elevator], false_alarms_per_hour: FALSE_ALARMS_PER_HOUR };
+    let mut record = fly(30.0, AMPLITUDE, 1);
+    let from = record.time.iter().position(|time| *time >= 12.0).unwrap();
+    let q = values(&mut record, "q");
+    let frozen = q[from];
+    q[from..].fill(frozen);
+    let (_, report) = monitor(&record, &model(), &EstimateOptions::default(), &health, &mut |_| {}).unwrap();
+    assert_ne!(report.condition, Condition::Diverged, "{:?}", report.sentences);
+    assert!(report.failure.is_none() && !report.promise.holds);
+    assert!(report.sentences[0].contains("`q`: repeats one value"), "{:?}", report.sentences);
+}
+
+/// A sign is no bias of 2 g.
+#[test]
+fn a_reversed_accelerometer_is_no_bias() {
+    let mut record = fly(15.0, AMPLITUDE, 1);
+    values(&mut record, "az").iter_mut().for_each(|az| *az = -*az);
+    match compatibility(&record, &CompatibilityOptions::default()) {
+        Err(EstimateError::Units { units }) => assert!(units[0].contains("`az`"), "{units:?}"),
+        other => panic!("{other:?}"),
     }
 }
