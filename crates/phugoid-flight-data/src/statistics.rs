@@ -86,6 +86,13 @@ fn nth(values: &mut [f64], index: usize) -> Option<f64> {
     (index < values.len()).then(|| *values.select_nth_unstable_by(index, f64::total_cmp).1)
 }
 
+/// The one value of values that are all the same; `None` of others and where there is none. NaN is left out.
+pub(crate) fn constant(values: &[f64]) -> Option<f64> {
+    let mut present = values.iter().copied().filter(|value| !value.is_nan());
+    let first = present.next()?;
+    present.all(|value| value == first).then_some(first)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

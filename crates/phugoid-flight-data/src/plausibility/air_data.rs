@@ -171,14 +171,22 @@ pub(super) fn turning(doubts: &mut Doubts) {
         .map(|((change, force), (_, pitch))| (*force, typical * (change - pitch)))
         .collect();
     let Some(Fit { slope, correlation, .. }) = regress(&pairs) else { return };
-    if correlation > 0.9 && !(0.62..=1.6).contains(&slope) {
-        let message = format!(
-            "does not fit the accelerations, which turn the path {} times as fast as it allows: a speed in ft/s read as \
-             m/s gives 0.30, one in knots 0.51. Check the units of true_airspeed, alpha and az",
-            Short(slope)
-        );
-        doubts.add(&["true_airspeed"], Certainty::Doubtful, message);
+    if correlation > 0.9 {
+        against_turning(doubts, slope, "the accelerations", "alpha and az");
     }
+}
+
+/// The airspeed is doubtful where forces turn the path `slope` times as fast as it allows, and no error of a sensor makes that.
+fn against_turning(doubts: &mut Doubts, slope: f64, forces: &str, others: &str) {
+    if (0.62..=1.6).contains(&slope) {
+        return;
+    }
+    let message = format!(
+        "does not fit {forces}, which turn the path {} times as fast as it allows: a speed in ft/s read as m/s gives 0.30, \
+         one in knots 0.51. Check the units of true_airspeed, {others}",
+        Short(slope)
+    );
+    doubts.add(&["true_airspeed"], Certainty::Doubtful, message);
 }
 
 /// Windows of the sideways turning, s: the shorter ones where the record has fewer than ten of the longer ones.
@@ -212,13 +220,8 @@ pub(super) fn turning_sideways(doubts: &mut Doubts) {
     };
     // Over a second the noise of the sideslip is as large as the turning.
     let Some(found) = over(LONG_S).or_else(|| over(SHORT_S)) else { return };
-    if found.together(0.9) && !(0.62..=1.6).contains(&found.slope) {
-        let message = format!(
-            "does not fit bank and side force, which turn the path {} times as fast as it allows: a speed in ft/s read as m/s \
-             gives 0.30, one in knots 0.51. Check the units of true_airspeed, beta, r and ay",
-            Short(found.slope)
-        );
-        doubts.add(&["true_airspeed"], Certainty::Doubtful, message);
+    if found.together(0.9) {
+        against_turning(doubts, found.slope, "bank and side force", "beta, r and ay");
     }
 }
 

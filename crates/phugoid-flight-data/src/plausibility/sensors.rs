@@ -2,7 +2,7 @@
 
 use super::doubt::{Cause, Certainty, Doubts};
 use super::robust::span;
-use crate::statistics::median;
+use crate::statistics::{constant, median};
 use crate::wording::Short;
 
 /// Channels of sensors that follow the motion of the aircraft; surfaces may well rest at a stop.
@@ -78,12 +78,15 @@ pub(super) fn still(doubts: &mut Doubts) {
     }
     let mut found = Vec::new();
     for together in TOGETHER {
-        let of = |name: &&'static str| doubts.values(name).map(|values| (*name, single(values)));
-        let all: Vec<(&str, Option<f64>)> = together.iter().filter_map(of).collect();
+        let of = |name: &&'static str| Some((*name, doubts.values(name).and_then(constant)?));
+        let still: Vec<(&str, f64)> = together.iter().filter(|name| !doubts.any(&[name])).filter_map(of).collect();
+        // Of nearly all records nothing stands still, and the noise of the others need not be known.
+        if still.is_empty() {
+            continue;
+        }
         let mut moving = together.iter().filter(|name| doubts.values(name).is_some_and(is_rough)).copied();
         let (Some(first), Some(second)) = (moving.next(), moving.next()) else { continue };
-        let still = all.iter().filter_map(|(name, value)| Some((*name, (*value)?)));
-        found.extend(still.filter(|(name, _)| !doubts.any(&[name])).map(|(name, value)| (name, value, first, second)));
+        found.extend(still.into_iter().map(|(name, value)| (name, value, first, second)));
     }
     for (name, value, first, second) in found {
         let message = format!(
@@ -103,13 +106,6 @@ fn is_rough(values: &[f64]) -> bool {
     let first = middle(&mut values.windows(2).map(|v| v[1] - v[0]));
     let second = middle(&mut values.windows(3).map(|v| v[2] - 2.0 * v[1] + v[0]));
     first.zip(second).is_some_and(|(first, second)| second > ROUGH * first)
-}
-
-/// The one value that all samples of a channel have; `None` where there are several, or none.
-fn single(values: &[f64]) -> Option<f64> {
-    let mut finite = values.iter().copied().filter(|value| value.is_finite());
-    let first = finite.next()?;
-    finite.all(|value| value == first).then_some(first)
 }
 
 /// Checks for positions of control surfaces that stand still between noisy ones. A surface may rest for long, but a noisy

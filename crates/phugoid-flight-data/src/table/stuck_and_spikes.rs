@@ -2,7 +2,7 @@
 
 use crate::channels;
 use crate::record::{Channel, Record};
-use crate::statistics::{Rank, quantile};
+use crate::statistics::{Rank, constant, quantile};
 use crate::wording::{Short, plural};
 
 /// Adds notes on constant channels, on stretches in which a channel is frozen, and on spikes.
@@ -55,13 +55,6 @@ pub(crate) fn check(record: &mut Record) {
             format!("{} did not move in these {} rows, but elsewhere; kept", names.join(", "), end - start + 1),
         );
     }
-}
-
-/// The value of a channel that has only one value; `None` for other channels. NaN is left out.
-fn constant(values: &[f64]) -> Option<f64> {
-    let mut present = values.iter().copied().filter(|value| !value.is_nan());
-    let first = present.next()?;
-    present.all(|value| value == first).then_some(first)
 }
 
 /// The first and last row of each stretch (at most three) in which a channel that otherwise changes from row to row
