@@ -286,6 +286,19 @@ def large_flights(spec: Aircraft, split: str, repetition: int | None = None) -> 
     return plans
 
 
+def turning_flights(spec: Aircraft, split: str, repetition: int | None = None) -> list[Plan]:
+    """The flights of one aircraft without damage, in the turbulence of JSBSim itself, which turns the air as well: light, and moderate
+    where the field has moderate gusts."""
+    plans = _without_damage(spec, split, repetition)
+    for plan in plans:
+        plan.turning = (25.0, 3) if plan.gust > 1 else (15.0, 2)
+        plan.group = f"turning air, {'moderate' if plan.gust > 1 else 'light'}"
+        plan.gust = 0.0
+        plan.seed = zlib.crc32(f"{spec.name}/turning/{plan.name}/{plan.seed}".encode())
+        plan.name = f"turning-{plan.name}"
+    return plans
+
+
 def _without_damage(spec: Aircraft, split: str, repetition: int | None) -> list[Plan]:
     kinds = [(axes, [one for one in list_ if "damage" not in one]) for axes, list_ in (("longitudinal", _longitudinal()), ("lateral", _lateral()))]
     return _planned(spec, split, repetition, kinds)

@@ -12,7 +12,7 @@ from simulator import RHO, PSF, FT, Simulator
 # Recorded exactly, 200 times per second; the instruments sample from it.
 RECORD_HZ = 200
 CHANNELS = ("tas", "alpha", "beta", "phi", "theta", "p", "q", "r", "ax", "ay", "az", "altitude", "density", "qbar", "thrust",
-            "elevator", "aileron", "rudder")
+            "elevator", "aileron", "rudder", "p_air", "q_air", "r_air")
 COEFFICIENTS = ("CL", "CD", "CY", "Cl", "Cm", "Cn")
 
 
@@ -32,6 +32,9 @@ class Plan:
     loop: str = "open"
     # One sigma of gusts, m/s.
     gust: float = 0.0
+    # JSBSim's own turbulence in place of these gusts, which turns the air as well: the wind at 20 feet, ft/s, and the severity (1 to 7)
+    # of MIL-F-8785C.
+    turning: tuple | None = None
     # (time s, change of the elevator rad, seconds it takes).
     retrims: tuple = ()
     # (time s, factor on the trim thrust).
@@ -98,6 +101,8 @@ def fly(sim: Simulator, plan: Plan, rng) -> Flown:
         sim.set_wind(*_to_earth(wind[0], trim["phi"], trim["theta"], 0.0))
     sim.begin(trim, plan.propeller[1] if plan.propeller else 0.0)
     sim.changes = dict(added)
+    if plan.turning:
+        sim.begin_turbulence(*plan.turning, plan.seed)
     every = int(round(1 / RECORD_HZ / step))
     rows, exact = [], []
     damage_at = math.inf
@@ -236,4 +241,8 @@ def _row(sim: Simulator) -> tuple:
         sim.surfaces["elevator"],
         sim.surfaces["aileron"],
         sim.surfaces["rudder"],
+        # Relative to the air, which turbulence turns: what the aerodynamics see.
+        get("velocities/p-aero-rad_sec"),
+        get("velocities/q-aero-rad_sec"),
+        get("velocities/r-aero-rad_sec"),
     )

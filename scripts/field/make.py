@@ -33,7 +33,7 @@ import instruments
 import model_file
 import truth
 from aircraft import FLEET, NEWCOMERS, STRANGERS
-from catalogue import FEEDBACK_REPETITIONS, REPETITIONS, SAMPLE, WHOLE_SAMPLE, feedback_flights, flights, gliding_flights, large_flights, other_flights, propeller_flights, quiet_flights, structure_flights, whole_flights
+from catalogue import FEEDBACK_REPETITIONS, REPETITIONS, SAMPLE, WHOLE_SAMPLE, feedback_flights, flights, gliding_flights, large_flights, other_flights, propeller_flights, quiet_flights, structure_flights, turning_flights, whole_flights
 from fly import Plan, fly
 from simulator import Simulator
 from whole import Whole
@@ -84,6 +84,7 @@ def one_flight(sim: Simulator, plan: Plan, split: str, folder: pathlib.Path, exa
         "axes": plan.axes,
         "loop": plan.loop,
         "gust_m_s": plan.gust,
+        "turning": plan.turning,
         "rate_hz": plan.rate_hz,
         "duration_s": plan.duration,
         "seed": plan.seed,
@@ -181,6 +182,7 @@ def main() -> None:
     others.add_argument("--quiet", action="store_true", help="flights without any manoeuvre, in place of the field")
     others.add_argument("--other", action="store_true", help="flights with sweeps, multisines and other inputs that the field has not, in its place")
     others.add_argument("--whole", action="store_true", help="flights of aircraft with their own engines and controls, in place of the field")
+    others.add_argument("--turning", action="store_true", help="flights in JSBSim's own turbulence, which turns the air as well, in place of the field")
     others.add_argument("--structure", action="store_true", help="flights of aircraft with a term that no model file has, in place of the field")
     parser.add_argument("--exact", action="store_true", help="beside each record what happened without instruments, as NAME.exact.csv")
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
@@ -200,7 +202,7 @@ def main() -> None:
     if unknown := set(aircraft) - {spec.name for spec in everyone}:
         parser.error(f"no such aircraft: {', '.join(sorted(unknown))}; there are {', '.join(spec.name for spec in everyone)}")
     wanted = Wanted(arguments.only, sample)
-    kinds = {"feedback": feedback_flights, "structure": structure_flights, "gliding": gliding_flights, "large": large_flights, "propeller": propeller_flights, "quiet": quiet_flights, "other": other_flights, "whole": whole_flights}
+    kinds = {"feedback": feedback_flights, "structure": structure_flights, "gliding": gliding_flights, "large": large_flights, "propeller": propeller_flights, "quiet": quiet_flights, "other": other_flights, "whole": whole_flights, "turning": turning_flights}
     catalogue = next((made for kind, made in kinds.items() if getattr(arguments, kind)), flights)
     jobs = [
         (spec, split, arguments.repetition, arguments.folder, arguments.step, wanted, arguments.exact, catalogue)

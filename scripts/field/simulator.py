@@ -187,6 +187,15 @@ class Simulator:
         self.set("atmosphere/gust-east-fps", east / FT)
         self.set("atmosphere/gust-down-fps", down / FT)
 
+    def begin_turbulence(self, wind: float, severity: int, seed: int) -> None:
+        """From now on JSBSim's own turbulence: gusts along three axes and the turning of the air about them, with the spectra of
+        MIL-F-8785C. `wind` at 20 feet, ft/s; `severity` from 1 to 7."""
+        self.set("simulation/randomseed", seed % 2**31)
+        self.set("atmosphere/turbulence/milspec/windspeed_at_20ft_AGL-fps", wind)
+        self.set("atmosphere/turbulence/milspec/severity", severity)
+        # By the bilinear transformation.
+        self.set("atmosphere/turb-type", 4)
+
     def start(self, speed: float, altitude: float, alpha: float, beta: float = 0.0, phi: float = 0.0, rates=(0, 0, 0), climb: float = 0.0):
         """Initial condition: m/s, m, rad, rad/s; heading north. `climb` is the angle of the flight path, rad, in flight without bank."""
         fdm = self.fdm

@@ -23,16 +23,17 @@ WELL_EXCITED = 0.05
 
 
 def regressors(channels: dict, chord: float, span: float, trim_speed: float) -> dict:
-    """The variables of the terms, normalised as in a model file; the speed by that of the trim."""
+    """The variables of the terms, normalised as in a model file; the speed by that of the trim.
+    Rates are those relative to the air, which turbulence may turn."""
     v = channels["tas"]
     return {
         "0": np.ones(len(v)),
         "alpha": channels["alpha"],
         "alpha2": channels["alpha"] ** 2,
         "beta": channels["beta"],
-        "p": channels["p"] * span / (2 * v),
-        "q": channels["q"] * chord / (2 * v),
-        "r": channels["r"] * span / (2 * v),
+        "p": channels["p_air"] * span / (2 * v),
+        "q": channels["q_air"] * chord / (2 * v),
+        "r": channels["r_air"] * span / (2 * v),
         "elevator": channels["elevator"],
         "aileron": channels["aileron"],
         "rudder": channels["rudder"],

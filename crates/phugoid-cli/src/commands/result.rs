@@ -7,7 +7,8 @@ use phugoid_flight_data::quality::QualityReport;
 use phugoid_identification::batch::OutputFit;
 use phugoid_identification::estimation::{
     AdoptedChange, BatchReport, EffectiveDerivative, Estimation, EstimationStatus, Event, FinalStatus, History, Offer,
-    ParameterResult, PredictionInterval, Readiness, SecondAnswer, Signal, TotalDerivative, VerdictReason, headline,
+    OtherValue, ParameterResult, PredictionInterval, Readiness, SecondAnswer, Signal, TotalDerivative, VerdictReason,
+    headline,
 };
 use serde::Serialize;
 
@@ -52,6 +53,9 @@ pub(crate) struct Document<'a> {
     /// The parameters by a filter, where the second answer is that of equation error beside another batch method.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) third_answer: Option<&'a SecondAnswer>,
+    /// The parameters from what the surfaces explain of the motion.
+    #[serde(skip_serializing_if = "<[_]>::is_empty")]
+    pub(crate) by_surfaces: &'a [OtherValue],
     pub(crate) quality: &'a QualityReport,
     pub(crate) noise: Vec<Noise<'a>>,
     /// Path of the report, if one was written.
@@ -95,6 +99,7 @@ impl<'a> Document<'a> {
             changes: &estimation.changes,
             second_answer: estimation.second_answer.as_ref(),
             third_answer: estimation.third_answer.as_ref(),
+            by_surfaces: &estimation.by_surfaces,
             quality: &estimation.quality,
             noise: estimation.noise.iter().map(|s| Noise { name: &s.name, unit: &s.unit, sigma: sigma(s) }).collect(),
             report,

@@ -134,6 +134,24 @@ pub(super) fn rows_at<const N: usize, const R: usize>(
     Ok((layout, rows))
 }
 
+/// The same of the equations that the regression uses; NaN in the others.
+///
+/// # Errors
+/// Those of [`equation_error`].
+pub(super) fn needed_rows_at<const N: usize, const R: usize>(
+    manoeuvres: &[Manoeuvre<'_, N, R>],
+    structure: &Structure<N, R>,
+    settings: &EquationErrorSettings,
+    unknowns: &[f64],
+) -> Result<(Layout<N>, Vec<Rows<R>>), BatchError> {
+    let (layout, mut rows) = rows_at(manoeuvres, structure, settings, unknowns)?;
+    let wanted = if settings.every_equation { [true; R] } else { needed(manoeuvres, &rows, &layout) };
+    for residual in rows.iter_mut().flat_map(|rows| &mut rows.residuals) {
+        (0..R).filter(|&i| !wanted[i]).for_each(|i| residual[i] = f64::NAN);
+    }
+    Ok((layout, rows))
+}
+
 /// The unknowns of the regression, and the smoothed states and outputs of each manoeuvre.
 fn smoothed<const N: usize, const R: usize>(
     manoeuvres: &[Manoeuvre<'_, N, R>],

@@ -16,6 +16,7 @@
 
 mod believed;
 mod bound;
+mod by_surfaces;
 pub(crate) mod colour;
 mod constants;
 pub(crate) mod differentiate;
@@ -65,6 +66,7 @@ pub(crate) use table::APART;
 pub(crate) use table::{Equation as TableEquation, Grid, Table, tables};
 
 pub use bound::{Bounded, bound};
+pub use by_surfaces::by_surfaces;
 pub use equation_error::{EquationErrorFit, EquationErrorSettings, equation_error};
 pub use equation_error_frequency::equation_error_frequency;
 pub use error::BatchError;

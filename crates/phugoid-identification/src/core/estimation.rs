@@ -387,6 +387,9 @@ pub struct Estimation {
     /// other methods, and where the filter gives none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub third_answer: Option<SecondAnswer>,
+    /// The parameters from what the surfaces explain of the motion ([`by_surfaces`](crate::batch::by_surfaces())).
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub by_surfaces: Vec<OtherValue>,
 }
 
 /// How one measured output agreed with the predictions of a causal method.

@@ -46,7 +46,7 @@ fn said(Disputed { time_s, gain, opened }: &Disputed, result: &[Option<(String, 
         sentence: format!(
             "The record is predicted much better ({gain:.0} nats) with the parameters opened at {time_s:.1} s, and they are \
              others then: {}. Nothing shows what changed there: a trim shift or a damage that the flight does not settle, a \
-             sensor, or a term that the model lacks. Estimate the parts by themselves (--to {time_s:.0}s, --from {time_s:.0}s).",
+             sensor, gusts that turn the air, or a term that the model lacks. Estimate the parts by themselves (--to {time_s:.0}s, --from {time_s:.0}s).",
             list.join("; ")
         ),
     })

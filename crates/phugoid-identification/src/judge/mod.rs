@@ -4,6 +4,7 @@ mod advice;
 mod agreement;
 mod attitude;
 pub(crate) mod both_sides;
+mod by_surfaces;
 mod chance;
 mod constancy;
 mod contradiction;

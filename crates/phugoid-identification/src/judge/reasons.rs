@@ -15,7 +15,7 @@ use crate::core::output::Output;
 use crate::judge::contradiction::{self, AtEstimates, Unsettled};
 use crate::judge::equations::Equations;
 use crate::judge::{
-    agreement, attitude, constancy, disputed, explained, fit, input_noise, integrity, physics, smoothed,
+    agreement, attitude, by_surfaces, constancy, disputed, explained, fit, input_noise, integrity, physics, smoothed,
 };
 use crate::methods::{Run, Task};
 use crate::model_file::{ModelFile, Role};
@@ -74,6 +74,7 @@ pub(crate) fn reasons<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: u
         let witnesses = run.second_answer.iter().chain(&run.third_answer);
         let witnesses = witnesses.filter(|answer| !agreement::is_mirror_image(parameters, answer, is_mirrored));
         found.extend(witnesses.filter_map(against));
+        found.extend(by_surfaces::reason(method, parameters, &run.by_surfaces.values, is_constant));
         found.extend(run.noise.and_then(|_| explained::reason(history)));
         found.extend(run.noise.and_then(|learnt| {
             let outputs = M::AXES.outputs().iter().zip(task.noise).zip(learnt.std);

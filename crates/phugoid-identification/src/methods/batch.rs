@@ -10,7 +10,7 @@ use super::air_data::{WithAirData, with_air_data};
 use super::constants::systematic;
 use super::readiness::ColumnVerdict;
 use super::settings::{sample_time, shared_settings};
-use super::task::{ColumnRun, Run, Task};
+use super::task::{BySurfaces, ColumnRun, Run, Task};
 use crate::batch::{
     self, BatchError, BatchFit, BatchParameter, Bias, Equation, EquationErrorSettings, InitialState, Manoeuvre,
     ManoeuvreFit, Noise, OptimiserSettings, OutputChannel, ProcessNoise, Structure, Unknown, UnknownKind, with_outputs,
@@ -112,6 +112,7 @@ pub(super) fn run_batch<M: MotionModel<N, R, CAPACITY>, const N: usize, const R:
         health: None,
         batch: Some(report(&fit, measured_angles, equations, prediction)),
         third_answer: None,
+        by_surfaces: BySurfaces::default(),
         second_answer,
         no_second_answer,
         disputed: None,
@@ -203,6 +204,25 @@ pub(super) fn equations_of<M: MotionModel<N, R, CAPACITY>, const N: usize, const
     let part = manoeuvre::<M, N, R>("the record", prepared).part(samples);
     let settings = EquationErrorSettings::automatic(sample_time(&prepared.time));
     Ok(others(&batch::equation_error(&[part], &structure::<M, N, R>(task)?, &settings)?.fit))
+}
+
+/// The parameters from what the surfaces explain of the motion in these samples of the task's record, and by equation error.
+///
+/// # Errors
+/// Why the equations give no answer.
+pub(super) fn surfaces_of<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: usize>(
+    task: &Task<M, N, R>,
+    samples: Range<usize>,
+) -> Result<[Vec<OtherValue>; 2], EstimateError> {
+    let prepared = task.prepared;
+    let part = [manoeuvre::<M, N, R>("the record", prepared).part(samples.clone())];
+    let settings = EquationErrorSettings::automatic(sample_time(&prepared.time));
+    let structure = structure::<M, N, R>(task)?;
+    let found = batch::equation_error(&part, &structure, &settings)?.fit;
+    let surfaces = [prepared.surfaces().map(|signal| &signal.values[samples.clone()]).collect()];
+    let unknowns = batch::by_surfaces(&part, &surfaces, &structure, &settings, &found)?;
+    let regression = others(&found);
+    Ok([others(&BatchFit { unknowns, ..found }), regression])
 }
 
 struct Solved<const N: usize, const R: usize> {

@@ -6,7 +6,7 @@ use super::consistency::Consistency;
 use super::declared_errors::LearntConstant;
 use super::readiness::ColumnVerdict;
 use super::stepper::CausalRun;
-use super::task::{ColumnRun, LearntNoise, Run, Task, log_density};
+use super::task::{BySurfaces, ColumnRun, LearntNoise, Run, Task, log_density};
 use crate::core::error::EstimateError;
 use crate::core::systematic::LearntQuantity;
 use crate::motion::Motion;
@@ -54,6 +54,7 @@ pub(super) fn run_causal<M: Motion<N, R>, const N: usize, const R: usize>(
         health: None,
         batch: None,
         second_answer: None,
+        by_surfaces: BySurfaces::default(),
         third_answer: None,
         no_second_answer: None,
         disputed: None,

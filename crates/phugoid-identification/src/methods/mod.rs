@@ -34,7 +34,7 @@ pub(crate) use predict::predict;
 pub use predict::{Predicted, PredictedParameter};
 pub(crate) use readiness::ColumnVerdict;
 pub(crate) use room::{EveryRoom, causal_run};
-pub(crate) use second::beside_causal;
+pub(crate) use second::{beside_causal, by_surfaces};
 pub(crate) use snapshot::Snapshot;
 pub(crate) use stepper::CausalRun;
 pub(crate) use task::{BegunAgain, ColumnRun, Disputed, ModelError, Run, RunChange, Task};

@@ -7,11 +7,12 @@ use super::gate::DisplacedConstant;
 use super::health_watch::HealthRun;
 use super::readiness::ColumnVerdict;
 use super::snapshot::Snapshot;
-use crate::core::estimation::{BatchReport, ChangeOutcome, Event, SecondAnswer};
+use crate::core::estimation::{BatchReport, ChangeOutcome, Event, OtherValue, SecondAnswer};
 use crate::core::health::HealthOptions;
 use crate::core::method::Method;
 use crate::core::options::{EstimateOptions, Opens};
 use crate::core::systematic::{LearntQuantity, SystematicPart};
+use crate::core::term::Coefficient;
 use crate::model_file::ModelFile;
 use crate::motion::Motion;
 use crate::preparation::noise::NoiseLevel;
@@ -50,6 +51,8 @@ pub(crate) struct Run<const R: usize> {
     pub(crate) second_answer: Option<SecondAnswer>,
     /// The parameters by a filter, of a method whose second answer is that of equation error.
     pub(crate) third_answer: Option<SecondAnswer>,
+    /// What the surfaces explain of the motion.
+    pub(crate) by_surfaces: BySurfaces,
     /// Why another method that should stand beside this one gives none.
     pub(crate) no_second_answer: Option<String>,
     /// A change that was not believed when the record was looked at again; `None` where there is none with much evidence.
@@ -157,6 +160,15 @@ impl ColumnRun {
         let shifts = self.learnt_shifts.iter().copied().chain(std::iter::repeat(0.0));
         self.values.iter().zip(shifts).map(|(value, shift)| value + shift).collect()
     }
+}
+
+/// The parameters from what the surfaces explain of the motion; empty where that gives none.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct BySurfaces {
+    pub(crate) values: Vec<OtherValue>,
+    /// The coefficients of which the whole motion gives a regression other derivatives than what the surfaces made of it: something that lasts
+    /// bends them, whatever a method claims.
+    pub(crate) bent: Vec<Coefficient>,
 }
 
 /// The arguments of a run of a method.

@@ -15,7 +15,9 @@ use crate::judge::offer::{
 };
 pub use crate::judge::offer::{tried_by_the_method, with_offered};
 use crate::judge::summary::summarise;
-use crate::methods::{EveryRoom, HealthRun, Task, begin_again, beside_causal, follow_regression, is_run_again, run};
+use crate::methods::{
+    EveryRoom, HealthRun, Task, begin_again, beside_causal, by_surfaces, follow_regression, is_run_again, run,
+};
 use crate::model_file::ModelFile;
 use crate::models::lateral::LateralModel;
 use crate::models::longitudinal::LongitudinalModel;
@@ -261,6 +263,7 @@ fn once<'a, M: EveryRoom<N, R> + 'a, const N: usize, const R: usize>(
         }
         follow_regression(&task, &mut run, &mut |done| progress(first + (1.0 - first) * done));
     }
+    run.by_surfaces = by_surfaces(&task, &run);
     progress(1.0);
     let watched = run.health.take();
     let estimation = summarise(record, &task, &run, &doubts, None);

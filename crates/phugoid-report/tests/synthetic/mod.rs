@@ -333,6 +333,7 @@ pub(crate) fn estimation(case: &Case) -> Estimation {
         batch: None,
         second_answer: None,
         third_answer: None,
+        by_surfaces: Vec::new(),
         history: History {
             inputs: vec![Signal {
                 values: time_s.iter().map(|t| input(*t) - 0.034).collect(),
