@@ -82,6 +82,7 @@ impl From<EstimateError> for Failure {
             EstimateError::TooShort { .. }
             | EstimateError::NoExcitation { .. }
             | EstimateError::EmptyChannel(_)
+            | EstimateError::EmptyInput(_)
             | EstimateError::Noise(_)
             | EstimateError::Batch(BatchError::Singular { .. }) => Self::NoData(error.to_string()),
             EstimateError::Batch(

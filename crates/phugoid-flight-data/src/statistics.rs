@@ -87,7 +87,7 @@ fn nth(values: &mut [f64], index: usize) -> Option<f64> {
 }
 
 /// The one value of values that are all the same; `None` of others and where there is none. NaN is left out.
-pub(crate) fn constant(values: &[f64]) -> Option<f64> {
+pub fn constant(values: &[f64]) -> Option<f64> {
     let mut present = values.iter().copied().filter(|value| !value.is_nan());
     let first = present.next()?;
     present.all(|value| value == first).then_some(first)

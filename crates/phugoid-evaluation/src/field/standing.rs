@@ -58,7 +58,9 @@ pub fn standing(estimation: &Estimation) -> Word {
 /// The word for an estimation that was not made.
 pub fn refusal(error: &EstimateError) -> Word {
     Word::refused(match error {
-        EstimateError::MissingChannel { .. } | EstimateError::EmptyChannel(_) => "missing channel",
+        EstimateError::MissingChannel { .. } | EstimateError::EmptyChannel(_) | EstimateError::EmptyInput(_) => {
+            "missing channel"
+        }
         EstimateError::TooShort { .. } => "too short",
         EstimateError::Units { .. } => "units",
         EstimateError::Noise(_) => "noise",

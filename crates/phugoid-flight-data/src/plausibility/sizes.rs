@@ -88,6 +88,12 @@ fn airspeed(doubts: &mut Doubts) {
         {
             return doubts.add_cause(&["true_airspeed"], Certainty::Doubtful, Cause::Standing, message);
         }
+        if values().is_some_and(|mut values| values.all(|value| value == 0.0 || value.is_nan())) {
+            let message = "is 0 m/s throughout, so that there are no coefficients: the sensor or its recorder did not work, or the \
+                           column is another one. Name the column that holds the airspeed in the model file: [channels] \
+                           true_airspeed = \"your header\"";
+            return doubts.add(&["true_airspeed"], Certainty::Certain, message.to_owned());
+        }
         let message = format!("is about {} m/s, and no aeroplane flies at that: check its unit", Short(speed));
         doubts.add(&["true_airspeed"], Certainty::Doubtful, message);
     }

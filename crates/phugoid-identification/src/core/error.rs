@@ -43,6 +43,21 @@ pub enum EstimateError {
          it out of `outputs` in the model file"
     )]
     EmptyChannel(String),
+    /// An input is in the record but has no finite value.
+    #[error(
+        "input `{0}` has no finite value in the whole record, and the model cannot do without it: check the column in the file, or name \
+         the column that holds it in the model file: [channels] {0} = \"your header\""
+    )]
+    EmptyInput(String),
+    /// Every parameter of the model is fixed.
+    #[error(
+        "{model}: every parameter is fixed, so that there is nothing to estimate: take `fixed = true` from those under [parameters] that \
+         the flight is to tell"
+    )]
+    AllFixed {
+        /// Name of the model file.
+        model: String,
+    },
     /// There are too few samples for any estimation.
     #[error("the record has {samples} usable samples: at least 20 are needed")]
     TooShort {
@@ -153,6 +168,8 @@ pub struct Lacking {
     pub findings: Vec<String>,
     /// Where the model can do without some of the missing channels: a sentence with the line to write in the model file.
     pub dispensable: Option<String>,
+    /// The line of the model file that asks for the channel, where it names it itself.
+    pub asked_by: Option<String>,
 }
 
 fn missing_channel(
@@ -160,11 +177,14 @@ fn missing_channel(
     channel: &str,
     present: &[String],
     nearest: Option<&str>,
-    Lacking { other_channels, findings, dispensable }: &Lacking,
+    Lacking { other_channels, findings, dispensable, asked_by }: &Lacking,
 ) -> String {
     let mut text = format!("{record}: channel `{channel}` is missing");
     if let Some(near) = nearest {
         text.push_str(&format!("; the nearest one there is `{near}`"));
+    }
+    if let Some(asked_by) = asked_by {
+        text.push_str(&format!("; {asked_by} asks for it: correct the name there if it is misspelt"));
     }
     if !other_channels.is_empty() {
         text.push_str(&format!("; the model also needs `{}`, not there either", other_channels.join("`, `")));

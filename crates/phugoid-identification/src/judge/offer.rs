@@ -35,7 +35,7 @@ use crate::preparation::prepare::prepare;
 use crate::preparation::prepared::Prepared;
 pub(crate) use candidate::round_up;
 use candidate::{Candidate, candidates, with_terms};
-pub(crate) use missing::{Found, Missing, missing};
+pub(crate) use missing::{Found, Missing, missing, place};
 pub(crate) use rate_of_alpha::{found as found_rate_of_alpha, with_rate_of_alpha};
 use selection::{Criterion, Regression, Trial};
 
@@ -372,6 +372,14 @@ pub fn tried_by_the_method(offer: &Offer) -> Option<String> {
     ))
 }
 
+/// The parameters that the missing terms move by more than two of their standard errors, each with its value without them.
+fn moved_parameters(offer: &Offer) -> impl Iterator<Item = (&TermEffect, f64)> {
+    offer.effects.iter().filter_map(|e| {
+        let (before, std) = e.before.zip(e.before_std)?;
+        ((e.after - before).abs() / std > 2.0).then_some((e, before))
+    })
+}
+
 /// The sentence of the verdict about the missing terms; none if there are none.
 pub(crate) fn sentence(offer: &Offer) -> Option<String> {
     let words = |t: &OfferedTerm| {
@@ -399,14 +407,9 @@ pub(crate) fn sentence(offer: &Offer) -> Option<String> {
     if missing.is_empty() {
         return None;
     }
-    let moved = offer
-        .effects
-        .iter()
-        .filter_map(|e| {
-            let (before, std) = e.before.zip(e.before_std)?;
-            let sigmas = (e.after - before).abs() / std;
-            (sigmas > 2.0)
-                .then(|| format!("{} {} -> {}", e.parameter, significant(before, DIGITS), significant(e.after, DIGITS)))
+    let moved = moved_parameters(offer)
+        .map(|(e, before)| {
+            format!("{} {} -> {}", e.parameter, significant(before, DIGITS), significant(e.after, DIGITS))
         })
         .collect::<Vec<_>>();
     let moves = if moved.is_empty() {

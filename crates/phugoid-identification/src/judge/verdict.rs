@@ -2,6 +2,7 @@
 
 use phugoid_estimators::DetectorState;
 use phugoid_estimators::verdict::Readiness;
+use phugoid_flight_data::statistics::constant;
 
 use crate::batch::{Unknown, UnknownKind};
 use crate::core::axes::Axes;
@@ -44,6 +45,7 @@ pub(crate) fn verdict<M: Motion<N, R>, const N: usize, const R: usize>(
     // What keeps a result waiting is told below with the parameters, unless nothing moved at all.
     let told = |r: &&VerdictReason| r.is_against() || r.code == ReasonCode::NoExcitation;
     sentences.extend(reasons.iter().filter(told).map(|reason| reason.sentence.clone()));
+    sentences.extend(still_surfaces(task.file, &task.prepared.known));
     sentences.extend(physics::aircraft::remark(task));
     let contradicted = reasons.iter().any(|reason| reason.code == ReasonCode::Contradiction);
     let pairs = pairs(parameters, correlation);
@@ -72,6 +74,35 @@ pub(crate) fn verdict<M: Motion<N, R>, const N: usize, const R: usize>(
         format!("No method of another kind stands beside these values, as one does by default, so that none has confirmed them: {why}.")
     }));
     sentences
+}
+
+/// The surfaces of which a parameter is wanted, and that have one value throughout. The motion may go on without them, but who
+/// expects a moved surface has to know that the record has none.
+fn still_surfaces(file: &ModelFile, known: &[Signal]) -> Option<String> {
+    let wanted_by = |surface: &str| -> Vec<&str> {
+        let is_of = |role: &Role| match role {
+            Role::Term(_, term) => {
+                term.powers().any(|(index, _)| Variable::ALL.get(index).is_some_and(|v| v.name() == surface))
+            }
+            _ => false,
+        };
+        file.estimated().filter(|p| is_of(&p.role)).map(|p| p.name.as_str()).collect()
+    };
+    let still = known.iter().filter(|signal| Axes::SURFACES.contains(&signal.name.as_str())).filter_map(|signal| {
+        let value = constant(&signal.values)?;
+        let wanted = wanted_by(&signal.name);
+        (!wanted.is_empty()).then(|| {
+            format!(
+                "The {} has one value throughout, {} deg, so that this record cannot tell {}: if it was moved in flight, check its \
+                 column in the file; if not, fix what follows from it (fixed = true) or fly with it moved.",
+                signal.name,
+                significant(value.to_degrees(), 4),
+                wanted.join(", ")
+            )
+        })
+    });
+    let still: Vec<String> = still.collect();
+    (!still.is_empty()).then(|| still.join(" "))
 }
 
 /// A level that was learnt and one that was given are said to differ from this ratio on.

@@ -10,7 +10,7 @@ use crate::core::health::HealthOptions;
 pub use crate::core::options::{CAPACITY, EstimateOptions, KnownChange, Method, Opens, StructureSearch, capacity};
 use crate::core::stack::on_a_large_stack;
 use crate::judge::offer::{
-    Found, Missing, complete, confirm, found_rate_of_alpha, missing, missing_in_words, search, sentence,
+    Found, Missing, complete, confirm, found_rate_of_alpha, missing, missing_in_words, place, search, sentence,
     with_rate_of_alpha,
 };
 pub use crate::judge::offer::{tried_by_the_method, with_offered};
@@ -75,6 +75,9 @@ pub(crate) fn pipeline(
     let (wanted, capacity) = (model.estimated().count(), capacity(model.axes));
     if wanted > capacity {
         return Err(EstimateError::TooManyParameters { wanted, capacity });
+    }
+    if wanted == 0 {
+        return Err(EstimateError::AllFixed { model: model.source.clone() });
     }
     let method = options.method.unwrap_or(model.estimator.method);
     if !method.is_batch() && (options.predict.is_some() || !options.further.is_empty()) {
@@ -161,10 +164,7 @@ fn pipeline_of<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     if let Some(mut offer) = offer {
         offer.taken = taken;
         if let Some(sentence) = sentence(&offer) {
-            // Beside the reasons against the result, of which a missing term is the most probable cause.
-            let of_reason = |said: &String| chosen.estimation.reasons.iter().any(|reason| reason.sentence == *said);
-            let end = chosen.estimation.verdict.len();
-            let place = chosen.estimation.verdict.iter().rposition(of_reason).map_or(end, |last| last + 1);
+            let place = place(&chosen.estimation, &offer);
             chosen.estimation.verdict.insert(place, sentence);
         }
         chosen.estimation.offer = Some(offer);

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use phugoid_flight_data::printable::toml_string;
 use phugoid_flight_data::record::Record;
 use phugoid_flight_data::statistics::{median, median_step};
 use phugoid_flight_dynamics::atmosphere::Atmosphere;
@@ -11,7 +12,7 @@ use crate::core::axes::Axes;
 use crate::core::error::{EstimateError, Lacking};
 use crate::core::estimation::Signal;
 use crate::core::output::Output;
-use crate::model_file::{AirDensity, Base, InputHold, ModelFile, Reference, ReferenceValue, Role, Thrust};
+use crate::model_file::{AirDensity, Base, InputHold, ModelFile, Reference, ReferenceValue, Role, Source, Thrust};
 use crate::models::longitudinal::{Database, LongitudinalModel};
 use crate::motion::{Motion, ReferencePoint};
 use crate::preparation::database_part::{Condition, database_parts};
@@ -259,7 +260,7 @@ fn collect<M: Motion<N, R>, const N: usize, const R: usize>(
     let lacking = file.channels_used().into_iter().filter(|name| record.channel(name).is_none());
     let lacking: Vec<&str> = lacking.collect();
     if let Some((first, rest)) = lacking.split_first() {
-        return Err(missing(record, first, rest, without(file, &lacking)));
+        return Err(missing(record, first, rest, without(file, &lacking), asked_by(file, first)));
     }
     let mut notes = file.notes.clone();
     let database = database(file)?;
@@ -285,7 +286,7 @@ fn collect<M: Motion<N, R>, const N: usize, const R: usize>(
     let complete = |k: usize| known.iter().all(|c| c.values[k].is_finite());
     let Some(first) = (0..record.time.len()).find(|&k| complete(k)) else {
         let culprit = known.iter().find(|c| !c.values.iter().any(|v| v.is_finite())).or(known.first());
-        return Err(EstimateError::EmptyChannel(culprit.map(|c| c.name.clone()).unwrap_or_default()));
+        return Err(EstimateError::EmptyInput(culprit.map(|c| c.name.clone()).unwrap_or_default()));
     };
     if first > 0 {
         notes.push(format!(
@@ -483,7 +484,7 @@ pub(crate) fn channel<'a>(record: &'a Record, name: &str) -> Result<&'a [f64], E
             channel.values.len(),
             record.time.len()
         ))),
-        None => Err(missing(record, name, &[], None)),
+        None => Err(missing(record, name, &[], None, None)),
     }
 }
 
@@ -518,7 +519,39 @@ fn without(file: &ModelFile, lacking: &[&str]) -> Option<String> {
     ))
 }
 
-fn missing(record: &Record, name: &str, others: &[&str], dispensable: Option<String>) -> EstimateError {
+/// The line of the model file that names the channel itself.
+fn asked_by(file: &ModelFile, channel: &str) -> Option<String> {
+    let aircraft = &file.aircraft;
+    let density = match &aircraft.air_density {
+        AirDensity::Known(source) => Some(source),
+        AirDensity::StandardAtmosphere | AirDensity::BookAtmosphere => None,
+    };
+    let thrust = match &aircraft.thrust {
+        Thrust::Known(source) => Some(source),
+        Thrust::Trim => None,
+    };
+    let sources = [
+        ("mass", Some(&aircraft.mass)),
+        ("ixx", aircraft.ixx.as_ref()),
+        ("iyy", Some(&aircraft.iyy)),
+        ("izz", aircraft.izz.as_ref()),
+        ("ixz", aircraft.ixz.as_ref()),
+        ("air_density", density),
+        ("thrust", thrust),
+    ];
+    let names_it = |source: &Option<&Source>| matches!(source, Some(Source::Channel(name)) if name == channel);
+    let (key, _) = sources.into_iter().find(|(_, source)| names_it(source))?;
+    let value = toml_string(channel);
+    Some(format!("`{key} = {{ channel = {value} }}` under [aircraft] in the model file `{}`", file.source))
+}
+
+fn missing(
+    record: &Record,
+    name: &str,
+    others: &[&str],
+    dispensable: Option<String>,
+    asked_by: Option<String>,
+) -> EstimateError {
     let mut other_channels: Vec<String> =
         others.iter().filter(|other| **other != name).map(|other| (*other).to_owned()).collect();
     other_channels.dedup();
@@ -536,7 +569,7 @@ fn missing(record: &Record, name: &str, others: &[&str], dispensable: Option<Str
         channel: name.to_owned(),
         present: record.channels.iter().map(|c| c.name.clone()).collect(),
         nearest: record.similar_channel(name).map(str::to_owned),
-        lacking: Box::new(Lacking { other_channels, findings, dispensable }),
+        lacking: Box::new(Lacking { other_channels, findings, dispensable, asked_by }),
     }
 }
 

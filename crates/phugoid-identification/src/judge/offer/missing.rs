@@ -4,7 +4,7 @@
 //! result with the term, what the motion had against the result without it is explained: then only those values are in doubt
 //! that are not the same in both, and those of the coefficient that lacks the term.
 
-use super::{DIGITS, coefficient, missing_in_words};
+use super::{DIGITS, coefficient, missing_in_words, moved_parameters};
 use crate::core::estimation::{
     Estimation, EstimationStatus, FinalStatus, Offer, ReasonCode, TermEffect, VerdictReason,
 };
@@ -27,6 +27,19 @@ const OF_THE_MOTION: [ReasonCode; 6] = [
     ReasonCode::MethodsDisagree,
     ReasonCode::Sign,
 ];
+
+/// The place in the verdict for the sentence of the missing terms: beside the reasons against the result, of which a missing term
+/// is the most probable cause, and before those of the motion where it moves other values, so that nobody looks for a wrong unit
+/// first.
+pub(crate) fn place(estimation: &Estimation, offer: &Offer) -> usize {
+    let Estimation { verdict, reasons, .. } = estimation;
+    let of_reason = |said: &String| reasons.iter().any(|reason| reason.sentence == *said);
+    let of_motion =
+        |said: &String| reasons.iter().any(|reason| OF_THE_MOTION.contains(&reason.code) && reason.sentence == *said);
+    let moves = moved_parameters(offer).next().is_some();
+    let first = verdict.iter().position(of_motion).filter(|_| moves);
+    first.or_else(|| verdict.iter().rposition(of_reason).map(|last| last + 1)).unwrap_or(verdict.len())
+}
 
 /// A missing term as a reason against the result without it.
 pub(crate) struct Missing {
@@ -250,6 +263,21 @@ mod tests {
 
     fn of(estimation: &Estimation, evidence: f64) -> Found<'_> {
         Found { estimation, evidence }
+    }
+
+    #[test]
+    fn a_term_that_moves_values_stands_before_what_the_motion_says_and_another_behind() {
+        let reasons =
+            [(ReasonCode::Contradiction, EstimationStatus::Refused), (ReasonCode::Physics, EstimationStatus::Doubtful)];
+        let mut refused = result(FinalStatus::InDoubt, &reasons);
+        for (reason, sentence) in refused.reasons.iter_mut().zip(["Look for a wrong unit.", "Check the inertia."]) {
+            reason.sentence = sentence.to_owned();
+        }
+        let verdict = ["REFUSED.", "Look for a wrong unit.", "Check the inertia.", "0 of 3 have converged."];
+        refused.verdict = verdict.map(str::to_owned).to_vec();
+        assert_eq!(place(&refused, &offer(&[(OF_LIFT, 1.5)])), 1);
+        assert_eq!(place(&refused, &offer(&[(OF_LIFT, 1.1)])), 3);
+        assert_eq!(place(&Estimation { reasons: Vec::new(), ..refused }, &offer(&[(OF_LIFT, 1.5)])), 4);
     }
 
     #[test]
