@@ -95,6 +95,9 @@ pub enum EventKind {
     Gap,
     /// The state was started again from the measurements.
     Restarted,
+    /// A unit or a sign of a channel is implausible in the last samples of a live session: from here on no parameter counts as
+    /// ready.
+    Units,
 }
 
 impl EventKind {
@@ -108,6 +111,7 @@ impl EventKind {
             Self::Insensitive => "insensitive",
             Self::Gap => "gap",
             Self::Restarted => "restarted",
+            Self::Units => "units",
         }
     }
 

@@ -20,7 +20,7 @@ mod normal;
 pub(crate) mod offer;
 pub(crate) mod physics;
 pub(crate) mod readiness;
-mod reasons;
+pub(crate) mod reasons;
 mod smoothed;
 pub(crate) mod summary;
 mod systematic;

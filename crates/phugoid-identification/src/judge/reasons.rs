@@ -7,7 +7,8 @@ use phugoid_flight_data::record::Record;
 
 use crate::core::axes::{Axes, Group};
 use crate::core::estimation::{
-    EstimationStatus, EventKind, FinalStatus, History, ParameterResult, ReasonCode, Signal, VerdictReason,
+    EstimationStatus, EventKind, FinalStatus, History, ParameterReadiness, ParameterResult, ReasonCode, Signal,
+    VerdictReason,
 };
 use crate::core::method::Method;
 use crate::core::options::CAPACITY;
@@ -140,11 +141,18 @@ pub(crate) fn demote(parameters: &mut [ParameterResult], reasons: &[VerdictReaso
             parameter.status = FinalStatus::InDoubt;
         }
         parameter.converged_at_s = None;
-        if let Some(readiness) = parameter.readiness.as_mut().filter(|r| r.verdict == Readiness::Ready) {
-            readiness.verdict = Readiness::Doubtful;
-            readiness.reason = worst.code.clause().to_owned();
-            readiness.ready_since_s = None;
+        if let Some(readiness) = parameter.readiness.as_mut() {
+            put_in_doubt(readiness, worst.code);
         }
+    }
+}
+
+/// Takes "ready" from a parameter, and says why.
+pub(crate) fn put_in_doubt(readiness: &mut ParameterReadiness, why: ReasonCode) {
+    if readiness.verdict == Readiness::Ready {
+        readiness.verdict = Readiness::Doubtful;
+        readiness.reason = why.clause().to_owned();
+        readiness.ready_since_s = None;
     }
 }
 
@@ -217,7 +225,7 @@ fn no_excitation(axes: Axes, measured: &[Signal]) -> VerdictReason {
 }
 
 /// A channel that the reader's checks find implausible.
-fn channel(doubt: &Doubt) -> VerdictReason {
+pub(crate) fn channel(doubt: &Doubt) -> VerdictReason {
     let (code, check) = match doubt.cause {
         Cause::Unit => (ReasonCode::Units, "units"),
         Cause::Sensor => (ReasonCode::Channel, "sensor"),

@@ -17,6 +17,7 @@
 //! ```
 
 mod course;
+mod units;
 
 use phugoid_estimators::{ChangeState, ParameterStatus, Phase};
 use phugoid_flight_data::channels;
@@ -31,6 +32,7 @@ use crate::core::options::{EstimateOptions, capacity};
 use crate::core::output::Output;
 use crate::model_file::ModelFile;
 use course::Course;
+use units::UnitWatch;
 
 /// What an estimation starts from: this long, s, ...
 const START_S: f64 = 2.0;
@@ -77,6 +79,8 @@ pub struct Session {
     course: Option<Box<dyn Course>>,
     snapshot: Option<Snapshot>,
     events: Vec<Event>,
+    /// What the samples say of their units and signs.
+    units: UnitWatch,
     /// Time of the last sample by the sender's clock, s.
     last_s: f64,
     /// What the estimator's time is ahead of the sender's, s; not 0 once the sender's clock has been set.
@@ -191,7 +195,7 @@ impl Session {
     ///
     /// # Errors
     /// [`EstimateError::NotCausal`] for a batch method, [`EstimateError::OneRecordOnly`] for records and true values
-    /// among the options that only a recorded flight has; [`EstimateError::TooManyParameters`].
+    /// among the options that only a recorded flight has; [`EstimateError::TooManyParameters`]; [`EstimateError::AllFixed`].
     pub fn new(file: &ModelFile, options: &EstimateOptions) -> Result<Self, EstimateError> {
         let method = options.method.unwrap_or(file.estimator.method);
         if method.is_batch() {
@@ -203,6 +207,9 @@ impl Session {
         let (wanted, capacity) = (file.estimated().count(), capacity(file.axes));
         if wanted > capacity {
             return Err(EstimateError::TooManyParameters { wanted, capacity });
+        }
+        if wanted == 0 {
+            return Err(EstimateError::AllFixed { model: file.source.clone() });
         }
         let mut channels: Vec<String> = Vec::new();
         for name in file.channels_used() {
@@ -228,6 +235,7 @@ impl Session {
             options: options.clone(),
             layout,
             channels,
+            units: UnitWatch::new(&start),
             start,
             course: None,
             snapshot: None,
@@ -299,6 +307,7 @@ impl Session {
         } else {
             self.slide(f64::INFINITY, 0);
         }
+        self.units.begin_again();
         self.last_s = f64::NEG_INFINITY;
         shortest_s.is_some()
     }
@@ -322,6 +331,15 @@ impl Session {
     }
 
     fn step(&mut self, time_s: f64, values: &[f64]) -> Result<(), EstimateError> {
+        self.estimate(time_s, values)?;
+        self.units.take(time_s, values, &self.file, &mut self.events);
+        for parameter in self.snapshot.iter_mut().flat_map(|snapshot| &mut snapshot.parameters) {
+            self.units.judge(parameter.readiness.as_mut());
+        }
+        Ok(())
+    }
+
+    fn estimate(&mut self, time_s: f64, values: &[f64]) -> Result<(), EstimateError> {
         let Some(course) = &mut self.course else { return Ok(()) };
         let snapshot = self.snapshot.get_or_insert_default();
         if self.ahead_s == 0.0 {
@@ -402,7 +420,10 @@ impl Session {
             Ok(course) => course,
             // Further samples may remove the cause.
             Err(
-                error @ (EstimateError::Noise(_) | EstimateError::EmptyChannel(_) | EstimateError::TooShort { .. }),
+                error @ (EstimateError::Noise(_)
+                | EstimateError::EmptyChannel(_)
+                | EstimateError::EmptyInput(_)
+                | EstimateError::TooShort { .. }),
             ) => {
                 return Ok(self.wait_on(error.to_string()));
             }

@@ -23,9 +23,8 @@ pub(crate) fn doubts(record: &Record, model: &ModelFile) -> Result<Vec<Doubt>, E
 /// # Errors
 /// [`EstimateError::Units`] if one of them is certainly wrong.
 pub(crate) fn doubts_of(record: &Record, is_used: &dyn Fn(&str) -> bool) -> Result<Vec<Doubt>, EstimateError> {
-    // The time is used always.
-    let is_used = |name: &String| name == "time" || is_used(name);
-    let concerned = plausibility::check(record).into_iter().filter(|doubt| doubt.channels.iter().any(is_used));
+    let is_used = |name: &String| is_always_used(name) || is_used(name);
+    let concerned = concerning(record, &is_used);
     // Where two contradict one another and one of them is not used, the other may well be right.
     let (refused, doubts): (Vec<Doubt>, Vec<Doubt>) =
         concerned.partition(|doubt| doubt.certainty == Certainty::Certain && doubt.channels.iter().all(is_used));
@@ -33,6 +32,21 @@ pub(crate) fn doubts_of(record: &Record, is_used: &dyn Fn(&str) -> bool) -> Resu
         return Err(EstimateError::Units { units: refused.iter().map(Doubt::to_string).collect() });
     }
     Ok(doubts)
+}
+
+/// What is doubtful about the channels that the model uses, the certainly wrong ones among it.
+pub(crate) fn all_doubts(record: &Record, model: &ModelFile) -> Vec<Doubt> {
+    let used = model.channels_used();
+    concerning(record, &|name| is_always_used(name) || used.contains(&name.as_str())).collect()
+}
+
+/// What is doubtful about a channel that is used.
+fn concerning<'a>(record: &Record, is_used: &'a dyn Fn(&String) -> bool) -> impl Iterator<Item = Doubt> + use<'a> {
+    plausibility::check(record).into_iter().filter(move |doubt| doubt.channels.iter().any(is_used))
+}
+
+fn is_always_used(name: &str) -> bool {
+    name == "time"
 }
 
 /// One sigma of the noise per output: the model file's, else measured from the beginning of the record; of an

@@ -6,7 +6,7 @@ use crate::common;
 use common::f16::{fly, model};
 use phugoid_flight_data::record::Record;
 use phugoid_identification::estimate::{EstimateOptions, estimate};
-use phugoid_identification::estimation::EventKind;
+use phugoid_identification::estimation::{Event, EventKind, Readiness};
 use phugoid_identification::method::Method;
 use phugoid_identification::model_file::ModelFile;
 use phugoid_identification::session::{Session, Snapshot, Step};
@@ -70,6 +70,37 @@ fn a_session_gives_the_bits_of_the_run_over_the_record() {
         };
         assert_eq!(told(&session.take_events()), told(&whole.events), "{method}");
         assert!(session.take_events().is_empty());
+    }
+}
+
+/// The beginning is quiet, so that it says nothing of the sign of the pitch rate.
+#[test]
+fn a_wrong_sign_is_noticed_after_the_start_and_makes_every_parameter_doubtful() {
+    let told = |from_s: f64| {
+        let mut record = fly(25.0, 0.026, 73);
+        // The manoeuvre once more.
+        let again: Vec<f64> = record.time.iter().map(|time| time + 25.0).collect();
+        record.time.extend(again);
+        record.channels.iter_mut().for_each(|channel| channel.values.extend_from_within(..));
+        let turned: Vec<bool> = record.time.iter().map(|time| *time >= from_s).collect();
+        let q = record.channels.iter_mut().find(|channel| channel.name == "q").unwrap();
+        q.values.iter_mut().zip(turned).filter(|(_, turned)| *turned).for_each(|(q, _)| *q = -*q);
+        let (mut session, snapshots) = replay(&record, &model(), &EstimateOptions::default());
+        let verdicts = |snapshot: &Snapshot| -> Vec<Readiness> {
+            snapshot.parameters.iter().filter_map(|p| p.readiness.as_ref()).map(|r| r.verdict).collect()
+        };
+        let units: Vec<Event> = session.take_events().into_iter().filter(|e| e.kind == EventKind::Units).collect();
+        let since_s = units.first().map_or(f64::INFINITY, |event| event.time_s);
+        let ready = |from_s: f64| {
+            snapshots.iter().filter(|s| s.time_s >= from_s).flat_map(verdicts).any(|v| v == Readiness::Ready)
+        };
+        (units, ready(0.0), ready(since_s))
+    };
+    let (units, ready, _) = told(f64::INFINITY);
+    assert!(units.is_empty() && ready, "{units:?}");
+    for from_s in [0.0, 25.0] {
+        let (units, _, ready) = told(from_s);
+        assert!(units.iter().any(|event| event.message.contains("`theta` and `q`")) && !ready, "{from_s}: {units:?}");
     }
 }
 

@@ -70,6 +70,7 @@ pub(crate) fn event_kind(kind: EventKind) -> (&'static str, Colour) {
         EventKind::Adopted => ("change adopted", Colour::Vermillion),
         EventKind::DoubtDropped => ("doubt dropped", Colour::Sky),
         EventKind::RolledBack => ("change taken back", Colour::Sky),
+        EventKind::Units => ("unit or sign implausible", Colour::Orange),
         EventKind::Insensitive => ("change detector insensitive", Colour::Orange),
         EventKind::Gap => ("gap in the data", Colour::Muted),
         EventKind::Restarted => ("restarted", Colour::Ink),
