@@ -6,7 +6,7 @@ use phugoid_identification::regress::{Criterion, RegressOptions, StepwiseRegress
 
 use super::deleting::Deletions;
 use super::estimate::{between, model, segments};
-use super::result::{paragraph, warnings};
+use super::result::{first_line, paragraph, warnings};
 use crate::arguments;
 use crate::failure::Failure;
 use crate::output::{Table, deliver, fixed, significant};
@@ -66,7 +66,10 @@ fn text(found: &StepwiseRegression) -> String {
         Criterion::Press => "the smallest PRESS",
         Criterion::F => "the partial F",
     };
-    let mut text = format!(
+    let mut text = first_line(&found.reasons);
+    // Writing to a string cannot fail.
+    let _ = write!(
+        text,
         "{}\n{} of {} rows, model `{}`, {} candidates, ended by {by}; F to enter {}, to remove {}\n\n",
         found.source,
         found.coefficient,
@@ -94,7 +97,6 @@ fn text(found: &StepwiseRegression) -> String {
         ]);
     }
     text.push_str(&steps.render());
-    // Writing to a string cannot fail.
     let _ = writeln!(
         text,
         "\n{} explains {} %; residual {} (one sigma)",
@@ -117,6 +119,7 @@ fn text(found: &StepwiseRegression) -> String {
         "\nDerivatives per radian. Bounds are corrected for residuals that last; what noise in the\nregressors does to \
          the values is not in them: estimate with these lines for final values.\n",
     );
+    paragraph(&mut text, "Verdict", found.reasons.iter().map(|reason| reason.sentence.clone()));
     paragraph(&mut text, "Left out", found.remarks.iter().cloned());
     let mut section = None;
     for line in &found.lines {

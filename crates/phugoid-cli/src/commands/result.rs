@@ -110,11 +110,14 @@ impl<'a> Document<'a> {
     }
 }
 
+/// A result that must not be used says so before any number; nothing for others.
+pub(crate) fn first_line(reasons: &[VerdictReason]) -> String {
+    headline(reasons).map_or_else(String::new, |first| wrapped(&first).replacen("  ", "", 1) + "\n")
+}
+
 /// The result of an estimation as text.
 pub(crate) fn text(estimation: &Estimation, report: Option<&Path>, figures: &[PathBuf]) -> String {
-    // A result that must not be used says so before any number.
-    let mut text =
-        headline(&estimation.reasons).map_or_else(String::new, |first| wrapped(&first).replacen("  ", "", 1) + "\n");
+    let mut text = first_line(&estimation.reasons);
     let time = &estimation.history.time_s;
     if let (Some(first), Some(last)) = (time.first(), time.last()) {
         let _ = writeln!(

@@ -15,15 +15,17 @@ use serde::{Deserialize, Serialize};
 
 use crate::core::axes::{Axes, Group};
 use crate::core::error::EstimateError;
-use crate::core::estimation::ModelLine;
+use crate::core::estimation::{ModelLine, VerdictReason};
 use crate::core::number::significant;
 use crate::core::stack::on_a_large_stack;
 use crate::core::term::{Coefficient, EXTRA_INPUTS, Term, Variable};
 use crate::judge::offer::round_up;
+use crate::judge::reasons::channel as of_channel;
 use crate::model_file::{Base, ModelFile};
 use crate::models::lateral::LateralModel;
 use crate::models::longitudinal::LongitudinalModel;
 use crate::models::six::SixModel;
+use crate::preparation::checks::doubts;
 use columns::{MOST_CANDIDATES, columns};
 pub use criterion::Criterion;
 use selection::{Problem, Rule, Selection};
@@ -100,6 +102,10 @@ pub struct StepwiseRegression {
     pub remarks: Vec<String>,
     /// Lines for a model file.
     pub lines: Vec<ModelLine>,
+    /// What speaks against the values: units, signs and sensors of the channels that are used. Empty where an older version
+    /// wrote the result.
+    #[serde(default)]
+    pub reasons: Vec<VerdictReason>,
 }
 
 /// One step of the selection, with the model of all terms up to it.
@@ -157,7 +163,7 @@ pub struct RegressionTerm {
 /// ```
 ///
 /// # Errors
-/// [`EstimateError`]: a missing channel; [`EstimateError::Model`] for a coefficient that the axes of the model do not have,
+/// [`EstimateError`]: a missing channel; [`EstimateError::Units`] for a unit or sign that is certainly wrong; [`EstimateError::Model`] for a coefficient that the axes of the model do not have,
 /// a candidate that cannot be read, too many candidates, or a coefficient that does not move.
 pub fn regress(
     record: &Record,
@@ -176,6 +182,9 @@ pub fn regress(
     }
     let mut extra_inputs = model.extra_inputs.clone();
     let terms = candidates(record, model, options, &mut extra_inputs).map_err(wrong)?;
+    // The terms of the file are not used, but what the new ones need.
+    let used = ModelFile { extra_inputs: extra_inputs.clone(), ..model.clone() };
+    let doubts = doubts(record, &used)?;
     let automatic = 2.0 * (terms.len().max(1) as f64 / FALSE_TERMS).ln();
     let f_to_enter = options.f_to_enter.unwrap_or(automatic);
     let f_to_remove = options.f_to_remove.unwrap_or(f_to_enter);
@@ -195,9 +204,31 @@ pub fn regress(
     let rule = Rule { criterion: options.criterion, f_to_enter, f_to_remove };
     let found = problem.select(&rule).ok_or_else(|| {
         let rows = problem.used.iter().filter(|used| **used).count();
-        wrong(format!("{rows} rows in which everything was measured do not allow a regression, or it does not move"))
+        wrong(match long_gap(record) {
+            Some(gap) => gap,
+            None => {
+                format!("{rows} rows in which everything was measured do not allow a regression, or it does not move")
+            }
+        })
     })?;
-    Ok(result(record, model, options.coefficient, &terms, &extra_inputs, rule, &found))
+    let reasons = doubts.iter().map(of_channel).collect();
+    Ok(StepwiseRegression {
+        reasons,
+        ..result(record, model, options.coefficient, &terms, &extra_inputs, rule, &found)
+    })
+}
+
+/// What to do with a record of which most is a gap: its rows are spread over the whole time, so that few of them meet samples.
+fn long_gap(record: &Record) -> Option<String> {
+    let (first, last) = record.time.first().zip(record.time.last())?;
+    let gap = record.time.windows(2).max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0])))?;
+    (gap[1] - gap[0] > 0.5 * (last - first)).then(|| {
+        format!(
+            "there is no sample between {:.2} s and {:.2} s, which is the larger part of the record. Use one of its parts: \
+             --to {:.2}s, or --from {:.2}s",
+            gap[0], gap[1], gap[0], gap[1]
+        )
+    })
 }
 
 /// The candidate terms, each once, the constant apart. Channels that they need beside those of the model become further
@@ -373,6 +404,7 @@ fn result(
         residual_std: found.residual_std,
         remarks: removed.chain(not_told).collect(),
         lines: lines(model, coefficient, extra_inputs, &fitted),
+        reasons: Vec::new(),
         steps,
         terms: fitted,
     }

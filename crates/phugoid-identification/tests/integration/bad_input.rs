@@ -10,9 +10,12 @@ use phugoid_identification::compatibility::{CompatibilityOptions, compatibility}
 use phugoid_identification::estimate::{EstimateError, EstimateOptions, Method, capacity, estimate};
 use phugoid_identification::estimation::{Estimation, FinalStatus};
 use phugoid_identification::health::{Condition, FALSE_ALARMS_PER_HOUR, HealthOptions};
-use phugoid_identification::model_file::{Expectation, ModelFile};
+use phugoid_identification::model_file::{Expectation, ModelFile, Source, Thrust};
 use phugoid_identification::monitor::monitor;
 use phugoid_identification::options::FlowAngles;
+use phugoid_identification::regress::{RegressOptions, regress};
+use phugoid_identification::session::Session;
+use phugoid_identification::term::Coefficient;
 use proptest::prelude::*;
 
 const AMPLITUDE: f64 = 0.026; // 1.5 deg
@@ -76,6 +79,73 @@ fn a_missing_channel_is_named_with_the_nearest_one() {
     assert_eq!((channel.as_str(), nearest.as_deref()), ("elevator", Some("elevator_left")));
     let text = error.to_string();
     assert!(text.contains("simulated") && text.contains("[channels]") && text.contains("true_airspeed"), "{text}");
+}
+
+#[test]
+fn an_input_without_values_is_no_output_that_could_be_left_out() {
+    let mut record = fly(2.0, AMPLITUDE, 1);
+    values(&mut record, "elevator").fill(f64::NAN);
+    let error = run(&record, &model()).unwrap_err();
+    assert_eq!(error, EstimateError::EmptyInput("elevator".to_owned()));
+    let text = error.to_string();
+    assert!(text.contains("[channels] elevator = ") && !text.contains("outputs"), "{text}");
+}
+
+#[test]
+fn a_channel_that_the_model_file_names_itself_is_told_with_its_line() {
+    let record = fly(2.0, AMPLITUDE, 1);
+    let mut file = model();
+    file.aircraft.thrust = Thrust::Known(Source::Channel("trust".to_owned()));
+    let text = run(&record, &file).unwrap_err().to_string();
+    assert!(
+        text.contains("`thrust = { channel = \"trust\" }` under [aircraft]") && text.contains(&file.source),
+        "{text}"
+    );
+    assert!(text.contains("Channels in the record: "), "{text}");
+}
+
+#[test]
+fn a_model_with_nothing_to_estimate_says_so() {
+    let mut file = model();
+    file.parameters.iter_mut().for_each(|parameter| parameter.fixed = true);
+    let expected = EstimateError::AllFixed { model: file.source.clone() };
+    assert_eq!(run(&fly(2.0, AMPLITUDE, 1), &file).unwrap_err(), expected);
+    assert_eq!(Session::new(&file, &EstimateOptions::default()).err(), Some(expected));
+}
+
+#[test]
+fn an_airspeed_of_zero_throughout_is_refused() {
+    let mut record = fly(5.0, AMPLITUDE, 1);
+    values(&mut record, "true_airspeed").fill(0.0);
+    let text = run(&record, &model()).unwrap_err().to_string();
+    assert!(text.contains("`true_airspeed`: is 0 m/s throughout"), "{text}");
+}
+
+#[test]
+fn an_elevator_with_one_value_is_named_with_what_it_cannot_tell() {
+    let mut record = fly(5.0, AMPLITUDE, 1);
+    let words = ["The elevator has one value throughout", "dCm_elevator"];
+    let file = ModelFile::named("f16").unwrap();
+    assert!(!said(&run(&record, &file).unwrap(), &words));
+    values(&mut record, "elevator").fill(-0.03);
+    let estimation = run(&record, &file).unwrap();
+    assert!(said(&estimation, &words), "{:?}", estimation.verdict);
+}
+
+#[test]
+fn a_regression_is_refused_for_a_wrong_sign_and_names_a_long_gap() {
+    let regression = |record: &Record| regress(record, &model(), &RegressOptions::new(Coefficient::PitchingMoment));
+    let record = fly(15.0, AMPLITUDE, 3);
+    assert!(regression(&record).unwrap().reasons.is_empty());
+    let mut gap = record.clone();
+    let half = gap.time.len() / 2;
+    gap.time.iter_mut().skip(half).for_each(|time| *time += 86_400.0);
+    let text = regression(&gap).unwrap_err().to_string();
+    assert!(text.contains("there is no sample between 7.") && text.contains("--from 86407."), "{text}");
+    let mut wrong = record;
+    values(&mut wrong, "q").iter_mut().for_each(|q| *q = -*q);
+    let error = regression(&wrong).unwrap_err();
+    assert!(matches!(error, EstimateError::Units { .. }), "{error}");
 }
 
 #[test]
