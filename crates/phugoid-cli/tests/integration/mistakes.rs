@@ -470,6 +470,10 @@ fn a_file_that_holds_no_corrections_is_refused() {
             "channel `aplha` is neither in the record nor a known channel. Is `alpha`",
         ),
         (r#"{ "channels": { "alpha": { "scale": -1.0 } } }"#, "scale of channel `alpha` is -1"),
+        (r#"{ "channels": { "alpha": { "bias": 20 } } }"#, "bias of channel `alpha` is 20, and no instrument"),
+        (r#"{ "channels": { "theta": { "delay_s": 500 } } }"#, "delay_s of channel `theta` is 500"),
+        (r#"{ "channels": {}, "vane_alpha_x": 4000 }"#, "vane_alpha_x is 4000 m, which is longer than any aeroplane"),
+        (r#"{ "channels": {}, "vane_alpha": 4 }"#, "unknown field `vane_alpha`"),
     ] {
         folder.file("none.json", text);
         let run = phugoid(&folder.0, &estimate);

@@ -5,11 +5,17 @@ use phugoid_flight_data::channels;
 use phugoid_flight_data::record::Record;
 
 use super::correction::{CorrectionUncertainty, Corrections};
+use super::unknowns::UNKNOWNS;
 use crate::core::error::EstimateError;
 use crate::core::estimation::Estimation;
 use crate::core::options::{EstimateOptions, StructureSearch};
 use crate::model_file::ModelFile;
 use crate::pipeline::estimate::{estimate, with_offered};
+
+/// No aeroplane has a vane or an accelerometer farther from its centre of gravity, m.
+const LONGEST_M: f64 = 100.0;
+/// No channel for which no search has a limit of its own is recorded later than this, or ahead by more, s.
+const LONGEST_DELAY_S: f64 = 10.0;
 
 /// Estimates the parameters of `model` from the record with the corrections taken out, and adds the errors of the
 /// corrections to the bounds.
@@ -84,6 +90,18 @@ pub fn estimate_corrected(
     Ok(estimation)
 }
 
+/// The values that a correction of a channel can have: twice what a search for errors of sensors believes, since that has them in
+/// another form. `None` for what no search looks for.
+fn believable(kind: &str, channel: &str) -> Option<[f64; 2]> {
+    let name = match (kind, channel) {
+        ("delay", "phi" | "theta" | "psi") => "delay_attitude".to_owned(),
+        _ => format!("{kind}_{channel}"),
+    };
+    let searched =
+        UNKNOWNS.iter().find(|unknown| unknown.name == name).map(|unknown| unknown.possible.map(|limit| 2.0 * limit));
+    searched.or_else(|| (kind == "delay").then_some([-LONGEST_DELAY_S, LONGEST_DELAY_S]))
+}
+
 /// Refuses corrections that cannot be meant, and says in a sentence each which of them change nothing in this record.
 fn checked(corrections: &Corrections, record: &Record) -> Result<Vec<String>, EstimateError> {
     let refuse = |why: String| Err(EstimateError::Model(format!("in the corrections: {why}")));
@@ -101,6 +119,18 @@ fn checked(corrections: &Corrections, record: &Record) -> Result<Vec<String>, Es
                 c.scale
             ));
         }
+        for (key, unknown, value) in
+            [("bias", "bias", c.bias), ("scale", "scale", c.scale), ("delay_s", "delay", c.delay_s)]
+        {
+            if let Some([least, most]) =
+                believable(unknown, name).filter(|[least, most]| value < *least || value > *most)
+            {
+                return refuse(format!(
+                    "{key} of channel `{name}` is {value}, and no instrument in working order is off by that much: write a \
+                     number from {least} to {most} (SI units, angles in radians), or take the channel out of the corrections"
+                ));
+            }
+        }
         if record.channel(name).is_none() {
             if channels::by_name(name).is_none() {
                 let meant = channels::nearest(name).map_or_else(String::new, |near| format!(" Is `{near}` meant?"));
@@ -115,6 +145,11 @@ fn checked(corrections: &Corrections, record: &Record) -> Result<Vec<String>, Es
     for (key, value) in corrections.places() {
         if !value.is_finite() {
             return refuse(format!("{key} is {value}, which is no finite number"));
+        }
+        if value.abs() > LONGEST_M {
+            return refuse(format!(
+                "{key} is {value} m, which is longer than any aeroplane: write the distance in metres, at most {LONGEST_M} m"
+            ));
         }
     }
     let mut said = Vec::new();
