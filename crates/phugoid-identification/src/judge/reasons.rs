@@ -18,7 +18,7 @@ use crate::judge::equations::Equations;
 use crate::judge::{
     agreement, attitude, by_surfaces, constancy, disputed, explained, fit, input_noise, integrity, physics, smoothed,
 };
-use crate::methods::{Run, Task};
+use crate::methods::{BySurfaces, Run, Task};
 use crate::model_file::{ModelFile, Role};
 use crate::motion::MotionModel;
 
@@ -75,7 +75,11 @@ pub(crate) fn reasons<M: MotionModel<N, R, CAPACITY>, const N: usize, const R: u
         let witnesses = run.second_answer.iter().chain(&run.third_answer);
         let witnesses = witnesses.filter(|answer| !agreement::is_mirror_image(parameters, answer, is_mirrored));
         found.extend(witnesses.filter_map(against));
-        found.extend(by_surfaces::reason(method, parameters, &run.by_surfaces.values, is_constant));
+        let role = |name: &str| task.file.estimated().find(|p| p.name == name).map(|p| &p.role);
+        let is_compared = |name: &str| role(name).is_some_and(by_surfaces::is_compared);
+        let BySurfaces { values, bent } = &run.by_surfaces;
+        let is_bent = |name: &str| matches!(role(name), Some(Role::Term(coefficient, _)) if bent.contains(coefficient));
+        found.extend(by_surfaces::reason(method, parameters, values, is_compared, is_bent));
         found.extend(run.noise.and_then(|_| explained::reason(history)));
         found.extend(run.noise.and_then(|learnt| {
             let outputs = M::AXES.outputs().iter().zip(task.noise).zip(learnt.std);

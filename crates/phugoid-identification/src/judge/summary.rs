@@ -12,7 +12,6 @@ use crate::core::estimation::{
 };
 use crate::core::options::{EstimateOptions, Opens};
 use crate::core::output::Output;
-use crate::judge::by_surfaces;
 use crate::judge::effective::{effective, sentence};
 use crate::judge::equations::Equations;
 use crate::judge::offer::Missing;
@@ -21,7 +20,7 @@ use crate::judge::reasons::{demote, reasons};
 use crate::judge::total::totals;
 use crate::judge::verdict::verdict;
 use crate::methods::{ColumnRun, EveryRoom, Run, RunChange, Task};
-use crate::model_file::{ModelFile, Parameter, Role};
+use crate::model_file::{ModelFile, Parameter};
 use crate::motion::Motion;
 
 /// The result of a run. `missing`: what is known of a term that the model lacks.
@@ -66,20 +65,12 @@ pub(crate) fn summarise<M: EveryRoom<N, R>, const N: usize, const R: usize>(
         reasons.push(reason);
     }
     reasons.sort_by_key(|reason| std::cmp::Reverse(reason.status));
-    // What is in doubt has a bound as well.
-    let is_constant = |name: &str| estimated.iter().any(|p| p.name == name && p.role.is_constant());
-    let is_bent = |name: &str| {
-        let of_bent = |role: &Role| matches!(role, Role::Term(c, _) if run.by_surfaces.bent.contains(c));
-        estimated.iter().any(|p| p.name == name && of_bent(&p.role))
-    };
-    let widened = by_surfaces::widen(&mut parameters, &run.by_surfaces.values, is_constant, is_bent);
     demote(&mut parameters, &reasons);
     let totals = totals(prepared, file, &parameters);
     let mut verdict = verdict(task, &parameters, &correlation, run, &reasons, &history, &changes);
     if run.excited {
         verdict.extend(effective.iter().map(sentence));
     }
-    verdict.extend(widened);
     Estimation {
         source: record.source.clone(),
         model: file.source.clone(),

@@ -37,7 +37,7 @@ pub(crate) use room::{EveryRoom, causal_run};
 pub(crate) use second::{beside_causal, by_surfaces};
 pub(crate) use snapshot::Snapshot;
 pub(crate) use stepper::CausalRun;
-pub(crate) use task::{BegunAgain, ColumnRun, Disputed, ModelError, Run, RunChange, Task};
+pub(crate) use task::{BegunAgain, BySurfaces, ColumnRun, Disputed, ModelError, Run, RunChange, Task};
 
 /// Runs the method of the task.
 ///
