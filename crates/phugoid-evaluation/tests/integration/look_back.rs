@@ -207,7 +207,11 @@ fn nothing_is_found_where_nothing_changes_and_where_nobody_looks() {
     let (record, model) = damaged();
     let off = |options| EstimateOptions { change_detection: Some(false), ..options };
     let [never, causal] = [EstimateOptions::default(), EstimateOptions::causal()].map(|o| run(&record, &model, off(o)));
-    assert_eq!((&never.parameters, &never.changes), (&causal.parameters, &Vec::new()));
+    // The whole record is held against other methods, which can put parameters in doubt, but moves none.
+    let numbers = |found: &Estimation| -> Vec<[f64; 2]> {
+        found.parameters.iter().map(|p| [p.value, p.corrected_std_error]).collect()
+    };
+    assert_eq!((numbers(&never), &never.changes), (numbers(&causal), &Vec::new()));
     // Up to the damage, and from it on.
     for (from_s, to_s) in [(0.0, 27.5), (29.0, 55.0)] {
         let part = record.between(from_s, to_s).unwrap();

@@ -44,6 +44,11 @@ impl Coefficient {
         }
     }
 
+    /// Whether it is that of a moment, which the angular accelerations show.
+    pub fn is_moment(self) -> bool {
+        matches!(self, Self::PitchingMoment | Self::RollingMoment | Self::YawingMoment)
+    }
+
     /// The symbol used in model files and parameter names.
     pub fn symbol(self) -> &'static str {
         match self {

@@ -114,7 +114,8 @@ pub(crate) fn by_surfaces<M: EveryRoom<N, R>, const N: usize, const R: usize>(
     let coefficient = |name: &str| {
         let parameter = task.file.estimated().find(|p| p.name == name)?;
         match &parameter.role {
-            Role::Term(coefficient, term) if !term.is_constant() => Some(*coefficient),
+            // Air that turns acts on the moments.
+            Role::Term(coefficient, term) if coefficient.is_moment() && !term.is_constant() => Some(*coefficient),
             _ => None,
         }
     };

@@ -166,8 +166,8 @@ impl ColumnRun {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct BySurfaces {
     pub(crate) values: Vec<OtherValue>,
-    /// The coefficients of which the whole motion gives a regression other derivatives than what the surfaces made of it: something that lasts
-    /// bends them, whatever a method claims.
+    /// The moments of which the whole motion gives a regression other derivatives than what the surfaces made of it: something that lasts, as air
+    /// that turns, bends them.
     pub(crate) bent: Vec<Coefficient>,
 }
 

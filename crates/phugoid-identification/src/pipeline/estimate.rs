@@ -76,7 +76,8 @@ pub(crate) fn pipeline(
     if wanted > capacity {
         return Err(EstimateError::TooManyParameters { wanted, capacity });
     }
-    if wanted == 0 {
+    // What a live session would have had is asked for by studies too, of how well known values predict a flight.
+    if wanted == 0 && !options.causal_only {
         return Err(EstimateError::AllFixed { model: model.source.clone() });
     }
     let method = options.method.unwrap_or(model.estimator.method);
