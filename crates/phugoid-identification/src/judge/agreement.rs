@@ -104,11 +104,7 @@ pub(super) fn reason<'a>(
     let mut pairs: Vec<Pair<'_>> = answer.values.iter().filter_map(pair).collect();
     pairs.sort_by(|a, b| b.apart.total_cmp(&a.apart));
     let Pair { found, value, random, other, apart } = pairs.first()?;
-    let others = match pairs.len() {
-        1 => String::new(),
-        2 => " One parameter more differs as much.".to_owned(),
-        n => format!(" {} parameters more differ as much.", n - 1),
-    };
+    let others = others_differ(pairs.len());
     Some(VerdictReason {
         code: ReasonCode::MethodsDisagree,
         status: EstimationStatus::Doubtful,
@@ -125,6 +121,15 @@ pub(super) fn reason<'a>(
             advice(method, answer.method),
         ),
     })
+}
+
+/// How many parameters differ beside the one that is named, of `count` in all.
+pub(super) fn others_differ(count: usize) -> String {
+    match count {
+        0 | 1 => String::new(),
+        2 => " One parameter more differs as much.".to_owned(),
+        n => format!(" {} parameters more differ as much.", n - 1),
+    }
 }
 
 /// Standard errors that a value has to lie from zero, so that its sign is known.

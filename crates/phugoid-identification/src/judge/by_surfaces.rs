@@ -10,15 +10,16 @@ use crate::core::estimation::{EstimationStatus, FinalStatus, OtherValue, Paramet
 use crate::core::method::Method;
 use crate::core::number::significant;
 use crate::core::term::Variable;
+use crate::judge::agreement::others_differ;
 use crate::model_file::Role;
 
 /// Standard errors of both that the values may be apart, so that the result is not doubtful: of every derivative, ...
 const APART: f64 = 4.0;
-/// ... and of those of a coefficient that something lasting is known to bend ([`BySurfaces::bent`]).
+/// ... and of those of a moment that something lasting is known to bend (`methods::BySurfaces::bent`).
 const APART_WHERE_BENT: f64 = 2.0;
 /// Claimed standard errors of the result, with what is declared, that they may be apart in either case. Of 208 healthy flights of JSBSim with gusts of a
-/// point, or none, seven are further apart, in four of which a number is off by more than three of its claimed errors; of 199 in air that turns 34 are,
-/// and of the 13 of these that were silently wrong five are left (docs/field.md).
+/// point, or none, four are further apart, in two of which a number is off by more than three of its claimed errors; of 199 in air that turns 30 are,
+/// and of the 13 of these that were silently wrong five are left (docs/field.md; these flights chose the limits).
 const OUTSIDE: f64 = 2.0;
 
 /// A parameter with its value from what the surfaces made.
@@ -79,11 +80,7 @@ pub(super) fn reason(
     });
     let first = pairs.first()?;
     let found = &parameters[first.parameter];
-    let others = match pairs.len() {
-        1 => String::new(),
-        2 => " One parameter more differs as much.".to_owned(),
-        n => format!(" {} parameters more differ as much.", n - 1),
-    };
+    let others = others_differ(pairs.len());
     Some(VerdictReason {
         code: ReasonCode::MethodsDisagree,
         status: EstimationStatus::Doubtful,
